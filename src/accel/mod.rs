@@ -1,0 +1,78 @@
+//! Intersection and occlusion behind one trait; the backend is chosen once, by type.
+
+pub mod bvh;
+#[cfg(feature = "embree")]
+pub mod embree;
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::geometry::{Geometry, Hit};
+use crate::math::Ray;
+
+/// What to build besides the transport geometry.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AccelOptions {
+    /// Build the delta points' own index, for `intersect_delta`. Transport queries never see it.
+    pub delta_points: bool,
+}
+
+/// A delta point met by a query that asked for one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeltaHit {
+    /// Ray parameter of closest approach, in lengths of the ray's direction.
+    pub t: f32,
+    /// Index into `Geometry::delta_points`.
+    pub point: u32,
+}
+
+/// An acceleration structure over a scene's `Geometry`.
+///
+/// Rays are half-open to nothing: hits with `tmin ≤ t ≤ tmax` count, `t = 0` included, as Embree's robust mode
+/// does. Callers start rays off the surface (`SurfacePoint::origin`). Rays with a non-finite or zero direction hit
+/// nothing.
+pub trait Accel: Sync + Send + Sized {
+    /// The backend's name, as the command line spells it.
+    const NAME: &'static str;
+
+    /// Builds the structure. The geometry is shared, not copied.
+    ///
+    /// # Errors
+    /// When the backend cannot be initialised or runs out of memory.
+    fn build(geometry: Arc<Geometry>, options: AccelOptions) -> Result<Self, AccelError>;
+
+    /// The nearest hit, or `None`.
+    fn intersect(&self, ray: &Ray) -> Option<Hit>;
+
+    /// Whether anything lies on the segment.
+    fn occluded(&self, ray: &Ray) -> bool;
+
+    /// `occluded` for several rays at once; `out[i]` answers `rays[i]`. The slices have equal length.
+    fn occluded_many(&self, rays: &[Ray], out: &mut [bool]) {
+        for (ray, blocked) in rays.iter().zip(out) {
+            *blocked = self.occluded(ray);
+        }
+    }
+
+    /// The nearest delta point within its ε of the ray, or `None`; always `None` unless
+    /// `AccelOptions::delta_points` was set. Transport geometry does not block this query.
+    fn intersect_delta(&self, ray: &Ray) -> Option<DeltaHit>;
+
+    /// Name, version and instruction set for the output's metadata, for example `embree 4.3.3 AVX512`.
+    fn describe(&self) -> String;
+}
+
+/// Why an acceleration structure could not be built.
+#[derive(Debug, Clone)]
+pub struct AccelError {
+    /// What failed and what to do.
+    pub message: String,
+}
+
+impl fmt::Display for AccelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for AccelError {}

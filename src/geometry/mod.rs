@@ -1,0 +1,82 @@
+//! Shapes as the accelerators and the shading see them: one triangle soup, exact quadrics, delta points.
+//!
+//! All of it is in *render space*: recentred and scaled by a power of two when the scene was prepared
+//! (`scene::prepare`), so that coordinates are of order one whatever the units of the file.
+
+mod delta_point;
+mod quadric;
+mod surface_point;
+
+pub use delta_point::DeltaPoint;
+pub use quadric::{Quadric, QuadricKind};
+pub use surface_point::SurfacePoint;
+
+use crate::math::Vec3;
+
+/// The geometry of a whole scene, shared by the accelerator and the shading.
+#[derive(Debug, Default)]
+pub struct Geometry {
+    /// Vertex positions of all meshes, render space.
+    pub positions: Vec<Vec3>,
+    /// Vertex normals (not normalised), parallel to `positions` or empty when no mesh has any;
+    /// zero for the vertices of meshes without.
+    pub normals: Vec<Vec3>,
+    /// Triangles as indices into `positions`.
+    pub triangles: Vec<[u32; 3]>,
+    /// The surface (index into the scene's surfaces) of each triangle.
+    pub triangle_surface: Vec<u32>,
+    /// Exact spheres and disks.
+    pub quadrics: Vec<Quadric>,
+    /// The surface of each quadric.
+    pub quadric_surface: Vec<u32>,
+    /// Points of zero size that lights sit on. No transport query ever meets them.
+    pub delta_points: Vec<DeltaPoint>,
+}
+
+/// Which of the scene's two kinds of intersectable geometry a hit lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GeometryKind {
+    /// `Geometry::triangles`.
+    Triangle,
+    /// `Geometry::quadrics`.
+    Quadric,
+}
+
+/// Where a ray first meets the scene, as every accelerator reports it: interpolation is shared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter, in lengths of the ray's direction.
+    pub t: f32,
+    /// The kind of geometry.
+    pub geometry: GeometryKind,
+    /// Index within that kind.
+    pub primitive: u32,
+    /// Barycentric weight of the triangle's second vertex; unused (0) for quadrics.
+    pub u: f32,
+    /// Barycentric weight of the triangle's third vertex; unused (0) for quadrics.
+    pub v: f32,
+}
+
+impl Geometry {
+    /// The three corners of a triangle.
+    #[inline]
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        let [a, b, c] = self.triangles[triangle as usize];
+        [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
+    }
+
+    /// The surface a hit lies on.
+    #[inline]
+    pub fn surface_of(&self, hit: &Hit) -> u32 {
+        match hit.geometry {
+            GeometryKind::Triangle => self.triangle_surface[hit.primitive as usize],
+            GeometryKind::Quadric => self.quadric_surface[hit.primitive as usize],
+        }
+    }
+}
+
+/// Area of a triangle, summed in f64 from f64 edge differences.
+pub fn triangle_area(corners: [Vec3; 3]) -> f64 {
+    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    0.5 * (b - a).cross(c - a).length()
+}

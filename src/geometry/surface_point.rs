@@ -1,0 +1,101 @@
+//! From a hit to the point that is shaded.
+
+use super::{Geometry, GeometryKind, Hit};
+use crate::math::{PointWithError, Ray, Vec3, gamma, offset_origin};
+
+/// A point on a surface: position with its error bound, geometric and shading normal, surface.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Position, render space, with its error bound.
+    pub point: PointWithError,
+    /// Unit geometric normal, on the side the surface faces (and emits to).
+    pub ng: Vec3,
+    /// Unit shading normal, in the hemisphere of `ng`.
+    pub ns: Vec3,
+    /// Index into the scene's surfaces.
+    pub surface: u32,
+    /// Whether `ns` equals `ng`: the adjoint shading-normal factor is then 1.
+    pub flat: bool,
+}
+
+impl SurfacePoint {
+    /// Position, render space.
+    #[inline]
+    pub fn p(&self) -> Vec3 {
+        self.point.p
+    }
+
+    /// Where a ray that leaves this point to the side of `towards` starts.
+    #[inline]
+    pub fn origin(&self, towards: Vec3) -> Vec3 {
+        offset_origin(self.point, self.ng, towards)
+    }
+}
+
+/// Roundings that bound the distance between a point interpolated from barycentrics and the plane the traversal
+/// intersects: 7 for the interpolation (Pharr et al. 2023, (6.26)), the rest for the traversal's own edge and plane
+/// arithmetic, which works on vertices relative to the ray's origin.
+const TRIANGLE_ROUNDINGS: u32 = 16;
+
+/// A quadric's point is computed in f64 and rounded once; the traversal transforms in f64 as well.
+const QUADRIC_ROUNDINGS: u32 = 3;
+
+impl Geometry {
+    /// The point a ray hit. `flip` of the surface is already in the winding of triangles and the orientation of quadrics.
+    #[inline]
+    pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        match hit.geometry {
+            GeometryKind::Triangle => self.triangle_point(hit.primitive, hit.u, hit.v),
+            GeometryKind::Quadric => {
+                let q = &self.quadrics[hit.primitive as usize];
+                let along = ray.o.as_dvec3() + ray.d.as_dvec3() * f64::from(hit.t);
+                let (p, n) = q.project(along);
+                self.quadric_point(hit.primitive, p.as_vec3a(), n.as_vec3a())
+            }
+        }
+    }
+
+    /// The point of a triangle with barycentric weights `(1−u−v, u, v)`.
+    #[inline]
+    pub fn triangle_point(&self, triangle: u32, u: f32, v: f32) -> SurfacePoint {
+        let [a, b, c] = self.corners(triangle);
+        let w = 1.0 - u - v;
+        let (pa, pb, pc) = (a * w, b * u, c * v);
+        let error = (pa.abs() + pb.abs() + pc.abs()) * gamma(TRIANGLE_ROUNDINGS);
+        let ng = (b - a).cross(c - a).normalize_or_zero();
+        let mut ns = ng;
+        let mut flat = true;
+        if !self.normals.is_empty() {
+            let [ia, ib, ic] = self.triangles[triangle as usize];
+            let n = self.normals[ia as usize] * w + self.normals[ib as usize] * u + self.normals[ic as usize] * v;
+            // Zero normals stand for "none given": the geometric normal serves.
+            if let Some(n) = n.try_normalize() {
+                // The winding decides the side: an interpolated normal on the other one is turned over.
+                ns = if n.dot(ng) < 0.0 { -n } else { n };
+                flat = false;
+            }
+        }
+        SurfacePoint {
+            point: PointWithError { p: pa + pb + pc, error },
+            ng,
+            ns,
+            surface: self.triangle_surface[triangle as usize],
+            flat,
+        }
+    }
+
+    /// A point of a quadric already projected onto it.
+    #[inline]
+    pub fn quadric_point(&self, quadric: u32, p: Vec3, n: Vec3) -> SurfacePoint {
+        // The offset must also clear the sagitta that f32 origins cut off a small sphere: it is second order.
+        let error = (p.abs() + self.quadrics[quadric as usize].to_world.translation.abs().as_vec3a())
+            * gamma(QUADRIC_ROUNDINGS);
+        SurfacePoint {
+            point: PointWithError { p, error },
+            ng: n,
+            ns: n,
+            surface: self.quadric_surface[quadric as usize],
+            flat: true,
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Twinlight: bidirectional path tracing with multiple importance sampling on the CPU.
+//!
+//! `ARCHITECTURE.md` is the map. A module imports only from those listed before it:
+//! math, pdf → sampling → geometry → {accel, bsdf, light, camera, film} → scene → integrator → render → cli.
+
+#[allow(unsafe_code)] // The one place that talks to Embree; every block there says why it is sound.
+pub mod accel;
+pub mod geometry;
+pub mod import;
+pub mod math;
+pub mod scene;

@@ -1,0 +1,64 @@
+//! Error-bounded ray origins: no epsilon in scene units anywhere.
+
+use super::Vec3;
+
+/// Unit roundoff of f32, `2⁻²⁴`.
+const UNIT_ROUNDOFF: f32 = 0.5 * f32::EPSILON;
+
+/// `γₙ = n·u / (1 − n·u)`: the bound on the relative error of `n` roundings (Higham 2002, §3.1).
+#[inline]
+pub const fn gamma(n: u32) -> f32 {
+    let nu = n as f32 * UNIT_ROUNDOFF;
+    nu / (1.0 - nu)
+}
+
+/// A point on a surface with what bounds its distance from the true surface.
+#[derive(Clone, Copy, Debug)]
+pub struct PointWithError {
+    /// The rounded point.
+    pub p: Vec3,
+    /// Bound on the absolute error of each coordinate.
+    pub error: Vec3,
+}
+
+/// Moves a surface point along its geometric normal to the side of `towards`, just far enough that neither the
+/// point's own error nor the traversal's lets a ray that starts there meet the surface again
+/// (Pharr, Jakob, Humphreys 2023, "Physically Based Rendering", 4th ed., §6.8.6).
+///
+/// `ng` is a unit vector; `towards` any vector on the side to leave to.
+#[inline]
+pub fn offset_origin(point: PointWithError, ng: Vec3, towards: Vec3) -> Vec3 {
+    let distance = ng.abs().dot(point.error);
+    let n = if ng.dot(towards) < 0.0 { -ng } else { ng };
+    let moved = point.p + n * distance;
+    // Round each coordinate away from the surface, so that the sum's own rounding cannot undo the offset.
+    Vec3::new(
+        round_away(moved.x, n.x),
+        round_away(moved.y, n.y),
+        round_away(moved.z, n.z),
+    )
+}
+
+#[inline]
+fn round_away(x: f32, direction: f32) -> f32 {
+    if direction > 0.0 {
+        x.next_up()
+    } else if direction < 0.0 {
+        x.next_down()
+    } else {
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offset_leaves_to_the_side_asked_for() {
+        let point = PointWithError { p: Vec3::new(1e5, -3.0, 0.0), error: Vec3::splat(1e-3) };
+        let n = Vec3::new(0.6, 0.0, 0.8);
+        assert!((offset_origin(point, n, n) - point.p).dot(n) > 0.0);
+        assert!((offset_origin(point, n, -n) - point.p).dot(n) < 0.0);
+    }
+}

@@ -1,0 +1,263 @@
+//! A scene as it is written: plain data, in the file's units and order, checked value by value but not yet prepared.
+
+use std::fmt;
+
+use crate::math::{DAffine3, DVec3};
+
+/// A linear RGB triple as written.
+pub type Color = [f64; 3];
+
+/// A scene file's content. References between its parts are indices, already resolved and in range.
+#[derive(Clone, Debug)]
+pub struct SceneDesc {
+    /// The camera.
+    pub camera: CameraDesc,
+    /// The integrator and its limits.
+    pub integrator: IntegratorDesc,
+    /// The sampler.
+    pub sampler: SamplerDesc,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Materials, named and inline alike.
+    pub materials: Vec<MaterialDesc>,
+    /// Surfaces, with the `lights[]` sugar already turned into delta points.
+    pub surfaces: Vec<SurfaceDesc>,
+    /// What the reader should know but need not mend, for example a sampler read as another.
+    pub notes: Vec<String>,
+}
+
+/// The camera: looks down its local −z, y up.
+#[derive(Clone, Debug)]
+pub struct CameraDesc {
+    /// Camera to world.
+    pub transform: DAffine3,
+    /// Width and height in pixels.
+    pub resolution: [u32; 2],
+    /// Full vertical angle of view in degrees, in (0, 180).
+    pub vfov: f64,
+    /// Distance of the image plane. It cancels for a pinhole; kept for the thin lens.
+    pub fdist: f64,
+    /// Where in the file, for errors that only preparation can find.
+    pub at: Place,
+}
+
+/// What computes the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IntegratorKind {
+    /// Chooses by itself; means `Bdpt` for now.
+    Auto,
+    /// Bidirectional path tracing.
+    Bdpt,
+    /// Path tracing with next-event estimation.
+    Path,
+    /// Light tracing.
+    Light,
+}
+
+/// How techniques that can make the same path share it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heuristic {
+    /// Power heuristic, β = 2.
+    Power,
+    /// Balance heuristic, β = 1.
+    Balance,
+    /// Arithmetic mean over the feasible techniques, β = 0.
+    Uniform,
+}
+
+/// The integrator as the file asks for it.
+#[derive(Clone, Copy, Debug)]
+pub struct IntegratorDesc {
+    /// Which.
+    pub kind: IntegratorKind,
+    /// Largest number of scattering events; 0 is emitted light only.
+    pub max_bounces: u32,
+    /// Whether long paths are ended at random (without bias).
+    pub russian_roulette: bool,
+    /// The MIS heuristic.
+    pub heuristic: Heuristic,
+}
+
+impl Default for IntegratorDesc {
+    fn default() -> Self {
+        Self { kind: IntegratorKind::Auto, max_bounces: 64, russian_roulette: true, heuristic: Heuristic::Power }
+    }
+}
+
+/// Which point set drives the samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol pairs.
+    Sobol,
+    /// Independent uniform numbers.
+    Independent,
+}
+
+/// The sampler as the file asks for it.
+#[derive(Clone, Copy, Debug)]
+pub struct SamplerDesc {
+    /// Which.
+    pub kind: SamplerKind,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+impl Default for SamplerDesc {
+    fn default() -> Self {
+        Self { kind: SamplerKind::Sobol, seed: 0 }
+    }
+}
+
+/// A material: how a surface reflects, and what it emits.
+#[derive(Clone, Debug)]
+pub struct MaterialDesc {
+    /// Its name, if it has one.
+    pub name: Option<String>,
+    /// How it scatters or, on a delta point, emits.
+    pub kind: MaterialKind,
+    /// Emitted radiance on the normal's side, W·m⁻²·sr⁻¹; all zero when it does not shine.
+    pub emit: Color,
+    /// Where in the file.
+    pub at: Place,
+}
+
+/// The material models of the format.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialKind {
+    /// Diffuse reflection, albedo in [0,1]; on the normal's side only unless `two_sided`.
+    Lambertian { albedo: Color, two_sided: bool },
+    /// Ideal mirror on both sides.
+    Mirror { albedo: Color },
+    /// Smooth dielectric interface; `ior` is the index on the side the normal points away from, over the other side's.
+    Dielectric { ior: f64, transmittance: Color },
+    /// Reflects nothing (a `diffuse light`; its emission is in `MaterialDesc::emit`).
+    Black,
+    /// Index-matched window: passes light unchanged and blocks connections.
+    Null,
+    /// Point light of radiant intensity `intensity`, W·sr⁻¹; only on a delta point.
+    PointLight { intensity: Color },
+    /// Spot light; only on a delta point. Angles are half-angles in degrees, `inner ≤ outer ≤ 180`.
+    SpotLight { intensity: Color, inner_angle: f64, outer_angle: f64, falloff: f64 },
+}
+
+/// A surface: a shape, where it stands and what it is made of.
+#[derive(Clone, Debug)]
+pub struct SurfaceDesc {
+    /// The shape, in its own space.
+    pub shape: ShapeDesc,
+    /// Its space to the world.
+    pub transform: DAffine3,
+    /// Index into `SceneDesc::materials`.
+    pub material: usize,
+    /// Turns the emitting and shading side.
+    pub flip_normals: bool,
+    /// Where in the file.
+    pub at: Place,
+}
+
+/// The shapes of the format.
+#[derive(Clone, Debug)]
+pub enum ShapeDesc {
+    /// Rectangle of full extents `size` in z = 0, normal +z.
+    Quad { size: [f64; 2] },
+    /// Sphere around the origin, normal outward.
+    Sphere { radius: f64 },
+    /// Disk around the origin in z = 0, normal +z.
+    Disk { radius: f64 },
+    /// Triangles.
+    Mesh(MeshDesc),
+    /// A point of zero size at the origin; light comes from its material, a spot's axis is local −z.
+    DeltaPoint,
+}
+
+/// Triangles with shared vertices. Indices are in range; a normal wound counter-clockwise is the front.
+#[derive(Clone, Debug, Default)]
+pub struct MeshDesc {
+    /// Vertex positions, mesh space.
+    pub positions: Vec<[f32; 3]>,
+    /// Vertex normals, one per position, or empty.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates, one per position, or empty.
+    pub uvs: Vec<[f32; 2]>,
+    /// Triangles.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A place in a scene file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// The file as the user named it.
+    pub file: String,
+    /// Line, from 1; 0 when the error is not at one place.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// JSON pointer (RFC 6901) of the value, for example `/surfaces/3/material`; empty for files without one.
+    pub pointer: String,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.file)?;
+        if self.line > 0 {
+            write!(f, ":{}:{}", self.line, self.column)?;
+        }
+        if !self.pointer.is_empty() {
+            write!(f, ": {}", self.pointer)?;
+        }
+        Ok(())
+    }
+}
+
+/// One thing wrong with a scene or an asset: where, what was found, what is allowed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Where.
+    pub at: Place,
+    /// What is wrong, with the offending value, and what is allowed instead.
+    pub message: String,
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.at, self.message)
+    }
+}
+
+/// Everything found wrong with a scene, in file order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneError {
+    /// At least one.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl SceneError {
+    /// An error of one diagnostic.
+    pub fn one(at: Place, message: impl Into<String>) -> Self {
+        Self { diagnostics: vec![Diagnostic { at, message: message.into() }] }
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, d) in self.diagnostics.iter().enumerate() {
+            if i > 0 {
+                f.write_str("\n")?;
+            }
+            write!(f, "{d}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+/// Whether all three channels are zero.
+pub fn is_black(c: Color) -> bool {
+    c == [0.0; 3]
+}
+
+/// The point a transform puts its origin at.
+pub fn origin_of(transform: &DAffine3) -> DVec3 {
+    transform.translation
+}

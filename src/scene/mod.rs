@@ -1,0 +1,3 @@
+//! Scenes: as written (`desc`), and as rendered (`prepare`).
+
+pub mod desc;
