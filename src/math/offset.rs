@@ -32,11 +32,7 @@ pub fn offset_origin(point: PointWithError, ng: Vec3, towards: Vec3) -> Vec3 {
     let n = if ng.dot(towards) < 0.0 { -ng } else { ng };
     let moved = point.p + n * distance;
     // Round each coordinate away from the surface, so that the sum's own rounding cannot undo the offset.
-    Vec3::new(
-        round_away(moved.x, n.x),
-        round_away(moved.y, n.y),
-        round_away(moved.z, n.z),
-    )
+    Vec3::new(round_away(moved.x, n.x), round_away(moved.y, n.y), round_away(moved.z, n.z))
 }
 
 #[inline]
