@@ -5,7 +5,15 @@
 
 #[allow(unsafe_code)] // The one place that talks to Embree; every block there says why it is sound.
 pub mod accel;
+pub mod bsdf;
+pub mod camera;
+pub mod film;
 pub mod geometry;
 pub mod import;
+pub mod integrator;
+pub mod light;
 pub mod math;
+pub mod pdf;
+pub mod render;
+pub mod sampling;
 pub mod scene;

@@ -1,2 +1,7 @@
-//! The `twinlight` command.
-fn main() {}
+//! The `twinlight` command: parse, run, exit code.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    twinlight::cli::run()
+}

@@ -1,6 +1,6 @@
 //! The delta point: a surface of zero size (the source report's `DeltaPoint`).
 
-use crate::math::{Ray, Vec3};
+use crate::math::{Ray, Vec3, next_down, next_up};
 
 /// A point of zero size with the box that stands in for it in queries that ask for it.
 ///
@@ -32,8 +32,8 @@ impl DeltaPoint {
         // One further ulp outwards: `p ± ε` is itself rounded.
         let (lo, hi) = (self.position - e, self.position + e);
         (
-            Vec3::new(lo.x.next_down(), lo.y.next_down(), lo.z.next_down()),
-            Vec3::new(hi.x.next_up(), hi.y.next_up(), hi.z.next_up()),
+            Vec3::new(next_down(lo.x), next_down(lo.y), next_down(lo.z)),
+            Vec3::new(next_up(hi.x), next_up(hi.y), next_up(hi.z)),
         )
     }
 

@@ -1,1 +1,93 @@
 //! Files to scene descriptions: one module per format.
+//!
+//! Importers turn text into a [`SceneDesc`] whose every value is checked against the scene format's rules. They build
+//! no geometry and choose no defaults that the format does not name; what only the whole scene can show (a light of
+//! zero area, say) is left to preparation, which finds each value's [`Place`] in the description.
+
+mod camera;
+mod context;
+mod inline_mesh;
+mod json;
+mod lights;
+mod materials;
+mod mesh_file;
+mod obj;
+mod ply;
+mod ply_header;
+mod scan;
+mod scene_json;
+mod settings;
+mod surfaces;
+mod transform;
+mod value;
+
+use std::path::{Path, PathBuf};
+use std::{fmt, fs, io};
+
+use crate::scene::desc::{Place, SceneDesc, SceneError};
+
+pub use mesh_file::{MAX_INFLATED_BYTES, MeshFileError, load_mesh};
+
+/// Why a scene could not be loaded.
+#[derive(Debug)]
+pub enum ImportError {
+    /// The scene file itself could not be read.
+    Io {
+        /// The file as the user named it.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The scene file, or an asset that it names, is not a valid scene.
+    Scene(SceneError),
+}
+
+impl fmt::Display for ImportError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io { path, source } => write!(f, "{}: cannot read the scene file: {source}", path.display()),
+            Self::Scene(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for ImportError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Io { source, .. } => Some(source),
+            Self::Scene(error) => Some(error),
+        }
+    }
+}
+
+impl From<SceneError> for ImportError {
+    fn from(error: SceneError) -> Self {
+        Self::Scene(error)
+    }
+}
+
+/// Loads a scene file in the native JSON format together with the meshes that it names.
+///
+/// # Errors
+/// [`ImportError::Io`] when the scene file cannot be read; [`ImportError::Scene`] with everything that is wrong with
+/// its content or its assets.
+pub fn load_scene(path: &Path) -> Result<SceneDesc, ImportError> {
+    let bytes = fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
+    let file = path.display().to_string();
+    let text = json::decode_utf8(&bytes, &file).map_err(|d| SceneError { diagnostics: vec![d] })?;
+    let base = path.parent().unwrap_or(Path::new(""));
+    Ok(scene_from_str(text, &file, base)?)
+}
+
+/// Reads a scene from JSON text; `file_name` is what messages call it and `base_dir` is where the files it names lie.
+///
+/// # Errors
+/// Everything that is wrong with the text or with its assets, in file order.
+pub fn scene_from_str(text: &str, file_name: &str, base_dir: &Path) -> Result<SceneDesc, SceneError> {
+    scene_json::read(text, file_name, base_dir)
+}
+
+/// A place in `file` that is not in JSON.
+fn place_in_file(file: &str, line: usize, column: usize) -> Place {
+    Place { file: file.to_owned(), line, column, pointer: String::new() }
+}

@@ -38,12 +38,28 @@ pub fn offset_origin(point: PointWithError, ng: Vec3, towards: Vec3) -> Vec3 {
 #[inline]
 fn round_away(x: f32, direction: f32) -> f32 {
     if direction > 0.0 {
-        x.next_up()
+        next_up(x)
     } else if direction < 0.0 {
-        x.next_down()
+        next_down(x)
     } else {
         x
     }
+}
+
+/// The next f32 above a finite `x` (`f32::next_up` is younger than the Rust this crate is kept to).
+#[inline]
+pub fn next_up(x: f32) -> f32 {
+    if x == 0.0 {
+        return f32::from_bits(1);
+    }
+    let bits = x.to_bits();
+    f32::from_bits(if x > 0.0 { bits + 1 } else { bits - 1 })
+}
+
+/// The next f32 below a finite `x`.
+#[inline]
+pub fn next_down(x: f32) -> f32 {
+    -next_up(-x)
 }
 
 #[cfg(test)]
@@ -56,5 +72,14 @@ mod tests {
         let n = Vec3::new(0.6, 0.0, 0.8);
         assert!((offset_origin(point, n, n) - point.p).dot(n) > 0.0);
         assert!((offset_origin(point, n, -n) - point.p).dot(n) < 0.0);
+    }
+
+    #[test]
+    fn neighbours_are_the_next_floats() {
+        for x in [0.0, -0.0, 1.0, -1.0, f32::MIN_POSITIVE, -f32::MIN_POSITIVE, 1e-45, -1e-45, 1e30, -0.999_999_94] {
+            assert!(next_up(x) > x && next_down(x) < x);
+            assert_eq!(next_down(next_up(x)), x);
+        }
+        assert_eq!(next_up(1.0), 1.0 + f32::EPSILON);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::math::{DAffine3, DVec3};
+use crate::math::DAffine3;
 
 /// A linear RGB triple as written.
 pub type Color = [f64; 3];
@@ -84,14 +84,7 @@ impl Default for IntegratorDesc {
     }
 }
 
-/// Which point set drives the samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SamplerKind {
-    /// Owen-scrambled Sobol pairs.
-    Sobol,
-    /// Independent uniform numbers.
-    Independent,
-}
+pub use crate::sampling::SamplerKind;
 
 /// The sampler as the file asks for it.
 #[derive(Clone, Copy, Debug)]
@@ -125,19 +118,44 @@ pub struct MaterialDesc {
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialKind {
     /// Diffuse reflection, albedo in [0,1]; on the normal's side only unless `two_sided`.
-    Lambertian { albedo: Color, two_sided: bool },
+    Lambertian {
+        /// Fraction of light reflected, per channel.
+        albedo: Color,
+        /// Whether the back reflects as well.
+        two_sided: bool,
+    },
     /// Ideal mirror on both sides.
-    Mirror { albedo: Color },
+    Mirror {
+        /// Fraction of light reflected at every angle, in [0,1].
+        albedo: Color,
+    },
     /// Smooth dielectric interface; `ior` is the index on the side the normal points away from, over the other side's.
-    Dielectric { ior: f64, transmittance: Color },
+    Dielectric {
+        /// Relative index of refraction, above 0.
+        ior: f64,
+        /// Scales what is transmitted, in [0,1].
+        transmittance: Color,
+    },
     /// Reflects nothing (a `diffuse light`; its emission is in `MaterialDesc::emit`).
     Black,
     /// Index-matched window: passes light unchanged and blocks connections.
     Null,
     /// Point light of radiant intensity `intensity`, W·sr⁻¹; only on a delta point.
-    PointLight { intensity: Color },
+    PointLight {
+        /// Radiant intensity, W·sr⁻¹.
+        intensity: Color,
+    },
     /// Spot light; only on a delta point. Angles are half-angles in degrees, `inner ≤ outer ≤ 180`.
-    SpotLight { intensity: Color, inner_angle: f64, outer_angle: f64, falloff: f64 },
+    SpotLight {
+        /// Radiant intensity within the inner cone, W·sr⁻¹.
+        intensity: Color,
+        /// Half-angle of the cone of full intensity, degrees.
+        inner_angle: f64,
+        /// Half-angle of the cone outside which it is dark, degrees.
+        outer_angle: f64,
+        /// Exponent of the attenuation between the two, 0 or above.
+        falloff: f64,
+    },
 }
 
 /// A surface: a shape, where it stands and what it is made of.
@@ -159,11 +177,20 @@ pub struct SurfaceDesc {
 #[derive(Clone, Debug)]
 pub enum ShapeDesc {
     /// Rectangle of full extents `size` in z = 0, normal +z.
-    Quad { size: [f64; 2] },
+    Quad {
+        /// Along x and y, above 0.
+        size: [f64; 2],
+    },
     /// Sphere around the origin, normal outward.
-    Sphere { radius: f64 },
+    Sphere {
+        /// Above 0.
+        radius: f64,
+    },
     /// Disk around the origin in z = 0, normal +z.
-    Disk { radius: f64 },
+    Disk {
+        /// Above 0.
+        radius: f64,
+    },
     /// Triangles.
     Mesh(MeshDesc),
     /// A point of zero size at the origin; light comes from its material, a spot's axis is local −z.
@@ -175,7 +202,7 @@ pub enum ShapeDesc {
 pub struct MeshDesc {
     /// Vertex positions, mesh space.
     pub positions: Vec<[f32; 3]>,
-    /// Vertex normals, one per position, or empty.
+    /// Vertex normals (not normalised), one per position, or empty; zero where a vertex has none while others do.
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates, one per position, or empty.
     pub uvs: Vec<[f32; 2]>,
@@ -255,9 +282,4 @@ impl std::error::Error for SceneError {}
 /// Whether all three channels are zero.
 pub fn is_black(c: Color) -> bool {
     c == [0.0; 3]
-}
-
-/// The point a transform puts its origin at.
-pub fn origin_of(transform: &DAffine3) -> DVec3 {
-    transform.translation
 }

@@ -1,1 +1,0 @@
-//! Pure-Rust BVH backend.

@@ -1,0 +1,253 @@
+//! The arguments.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::integrator::Technique;
+use crate::sampling::SamplerKind;
+use crate::scene::desc::{Heuristic, IntegratorKind};
+
+/// Bidirectional path tracing with multiple importance sampling, on the CPU.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 110, after_help = "Exit status: 0 done, 2 usage, 65 bad scene or asset, \
+    70 non-finite contributions seen (image written), 1 anything else.")]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to EXR and PNG files
+    Render(RenderArgs),
+    /// Say what is in a scene, what it needs and what will be skipped
+    Info(InfoArgs),
+    /// Measure how far an image is from a reference
+    Compare(CompareArgs),
+    /// Convert an image between EXR and PNG
+    Convert(ConvertArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// Scene file (JSON)
+    pub scene: PathBuf,
+    /// Image to write, .exr (linear) or .png (sRGB); may be given several times [default: the scene's name with
+    /// .exr in the current folder]
+    #[arg(short, long = "output", value_name = "OUT")]
+    pub output: Vec<PathBuf>,
+    /// Samples per pixel [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Integrator [default: the scene's]
+    #[arg(long, value_name = "X")]
+    pub integrator: Option<IntegratorArg>,
+    /// What answers rays
+    #[arg(long, value_name = "X", default_value = AccelArg::DEFAULT)]
+    pub accel: AccelArg,
+    /// Worker threads [default: one per logical processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub threads: Option<u32>,
+    /// Seed of everything random [default: the scene's]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Largest number of scattering events on a path; 0 is emitted light only, 1 direct light [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    pub max_bounces: Option<u32>,
+    /// Image size in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Render these pixels only; the ends are exclusive
+    #[arg(long, value_name = "x0,y0,x1,y1")]
+    pub crop: Option<CropArg>,
+    /// Write times, ray counts and settings as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub stats: Option<PathBuf>,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Stops by which PNG images are brightened
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f32,
+    /// How techniques share a path [default: the scene's]
+    #[arg(long, value_name = "X")]
+    pub heuristic: Option<HeuristicArg>,
+    /// Point set [default: the scene's]
+    #[arg(long, value_name = "X")]
+    pub sampler: Option<SamplerArg>,
+    /// Never end paths at random before --max-bounces
+    #[arg(long)]
+    pub no_roulette: bool,
+    /// Light subpaths per camera sample (bdpt, light); 0 turns bdpt into path tracing
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    pub light_paths: u32,
+    /// How many of them each camera vertex connects to (bdpt)
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    pub connections: u32,
+    /// Render one technique alone: s light vertices, t camera vertices (the camera's own included)
+    #[arg(long, value_name = "s,t")]
+    pub technique: Option<TechniqueArg>,
+    /// Leave out the MIS weights (with --technique)
+    #[arg(long, requires = "technique")]
+    pub unweighted: bool,
+    /// Write an image per technique into this folder, weighted, for paths of up to --pyramid-edges edges
+    #[arg(long, value_name = "DIR")]
+    pub pyramid: Option<PathBuf>,
+    /// Longest paths of the pyramid, in edges
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub pyramid_edges: u32,
+}
+
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Scene file (JSON)
+    pub scene: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// Image to judge
+    pub image: PathBuf,
+    /// Image to judge it by
+    pub reference: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Write a picture of the signed difference: red where the image is brighter, blue where it is darker
+    #[arg(long, value_name = "FILE.png")]
+    pub difference: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// Image to read (.exr, .png)
+    pub input: PathBuf,
+    /// Image to write (.exr, .png)
+    pub output: PathBuf,
+    /// Stops by which a PNG is brightened
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum IntegratorArg {
+    Auto,
+    Bdpt,
+    Path,
+    Light,
+}
+
+impl From<IntegratorArg> for IntegratorKind {
+    fn from(arg: IntegratorArg) -> Self {
+        match arg {
+            IntegratorArg::Auto => Self::Auto,
+            IntegratorArg::Bdpt => Self::Bdpt,
+            IntegratorArg::Path => Self::Path,
+            IntegratorArg::Light => Self::Light,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HeuristicArg {
+    Power,
+    Balance,
+    Uniform,
+}
+
+impl From<HeuristicArg> for Heuristic {
+    fn from(arg: HeuristicArg) -> Self {
+        match arg {
+            HeuristicArg::Power => Self::Power,
+            HeuristicArg::Balance => Self::Balance,
+            HeuristicArg::Uniform => Self::Uniform,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SamplerArg {
+    Sobol,
+    Independent,
+}
+
+impl From<SamplerArg> for SamplerKind {
+    fn from(arg: SamplerArg) -> Self {
+        match arg {
+            SamplerArg::Sobol => Self::Sobol,
+            SamplerArg::Independent => Self::Independent,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AccelArg {
+    /// Intel Embree 4
+    #[cfg(feature = "embree")]
+    Embree,
+    /// The pure-Rust BVH
+    Bvh,
+}
+
+impl AccelArg {
+    const DEFAULT: &'static str = if cfg!(feature = "embree") { "embree" } else { "bvh" };
+}
+
+/// `WxH`.
+#[derive(Clone, Copy, Debug)]
+pub struct Size(pub [u32; 2]);
+
+impl FromStr for Size {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        let parsed = s.split_once(['x', 'X', '×']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+        match parsed {
+            Some([w, h]) if w > 0 && h > 0 && w <= 1 << 16 && h <= 1 << 16 && u64::from(w) * u64::from(h) <= 1 << 28 => {
+                Ok(Self([w, h]))
+            }
+            Some(_) => Err("each side must be 1 to 65536 pixels, the area at most 268435456".into()),
+            None => Err("write it as 640x480".into()),
+        }
+    }
+}
+
+/// `x0,y0,x1,y1`.
+#[derive(Clone, Copy, Debug)]
+pub struct CropArg(pub [u32; 4]);
+
+impl FromStr for CropArg {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<u32>> = s.split(',').map(|x| x.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Self([x0, y0, x1, y1])),
+            Some(&[x0, y0, x1, y1]) => Err(format!(
+                "no pixel lies in columns {x0}..{x1} and rows {y0}..{y1}: the ends are exclusive and must come after \
+                 the starts"
+            )),
+            _ => Err("write it as x0,y0,x1,y1 in pixels, for example 0,0,64,64".into()),
+        }
+    }
+}
+
+/// `s,t`.
+#[derive(Clone, Copy, Debug)]
+pub struct TechniqueArg(pub Technique);
+
+impl FromStr for TechniqueArg {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = text.split_once(',').and_then(|(s, t)| Some((s.trim().parse().ok()?, t.trim().parse().ok()?)));
+        match parsed {
+            Some((_, 0)) => Err("t counts the camera's own vertex: it is at least 1".into()),
+            Some((s, t)) if u64::from(s) + u64::from(t) >= 2 => Ok(Self(Technique { s, t })),
+            Some(_) => Err("a path has at least two vertices: s + t must be at least 2".into()),
+            None => Err("write it as s,t, for example 1,2".into()),
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! The command line: one file per subcommand. Only this module knows arguments, terminals and exit codes.
+
+mod args;
+mod compare;
+mod convert;
+mod info;
+mod progress;
+mod pyramid;
+mod render;
+mod stats;
+
+use std::fmt::Display;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Cli, Command};
+
+/// Exit statuses beyond 0 (done) and 2 (usage, which clap uses as well).
+mod status {
+    /// Anything that has no status of its own.
+    pub const OTHER: u8 = 1;
+    /// The command line asks for something impossible.
+    pub const USAGE: u8 = 2;
+    /// A scene or asset is bad (`EX_DATAERR`).
+    pub const DATA: u8 = 65;
+    /// Non-finite or overflowing contributions were seen and left out; the image was written (`EX_SOFTWARE`).
+    pub const NON_FINITE: u8 = 70;
+}
+
+/// Why a command failed: the status to exit with and what to tell the user.
+#[derive(Debug)]
+struct Failure {
+    status: u8,
+    message: String,
+}
+
+impl Failure {
+    fn new(status: u8, message: impl Display) -> Self {
+        Self { status, message: message.to_string() }
+    }
+
+    fn other(message: impl Display) -> Self {
+        Self::new(status::OTHER, message)
+    }
+
+    fn usage(message: impl Display) -> Self {
+        Self::new(status::USAGE, message)
+    }
+}
+
+/// Parses the arguments, runs the command and returns its exit status.
+pub fn run() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Convert(args) => convert::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            for line in failure.message.lines() {
+                eprintln!("twinlight: {line}");
+            }
+            ExitCode::from(failure.status)
+        }
+    }
+}
+
+/// Prints to standard output; a reader that has gone away (a closed pipe) is no error of ours.
+fn print(text: &str) {
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}

@@ -1,0 +1,280 @@
+//! `twinlight render`.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::args::{AccelArg, RenderArgs, Size};
+use super::progress::{Reporter, duration};
+use super::{Failure, pyramid, stats, status};
+use crate::accel::bvh::BvhAccel;
+#[cfg(feature = "embree")]
+use crate::accel::embree::EmbreeAccel;
+use crate::accel::{Accel, AccelOptions};
+use crate::import::{self, ImportError};
+use crate::integrator::{Crop, Integrator, Settings};
+use crate::output::{self, Encoding, Metadata, Window};
+use crate::render::{RenderJob, Rendered, render};
+use crate::scene::desc::{IntegratorKind, SceneDesc, scene_hash};
+use crate::scene::{Prepared, Scene, prepare};
+
+/// Reads a scene file.
+pub fn load(path: &Path) -> Result<SceneDesc, Failure> {
+    import::load_scene(path).map_err(|e| match e {
+        ImportError::Scene(e) => Failure::new(status::DATA, e),
+        e @ ImportError::Io { .. } => Failure::other(e),
+    })
+}
+
+pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let mut phases = stats::Phases::default();
+    let outputs = outputs(args)?;
+
+    let start = Instant::now();
+    let mut desc = load(&args.scene)?;
+    override_desc(&mut desc, args);
+    phases.parse = start.elapsed();
+    let crop = crop(args, desc.camera.resolution)?;
+    let settings = settings(&desc, args)?;
+    for note in &desc.notes {
+        say(args, note);
+    }
+    if desc.integrator.kind == IntegratorKind::Auto {
+        say(args, "integrator auto means bdpt for now");
+    }
+
+    let start = Instant::now();
+    let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
+    for warning in &prepared.warnings {
+        say(args, &format!("warning: {warning}"));
+    }
+    let run = Run { args, desc: &desc, crop, settings, outputs };
+    match args.accel {
+        #[cfg(feature = "embree")]
+        AccelArg::Embree => run.with::<EmbreeAccel>(prepared, phases, start),
+        AccelArg::Bvh => run.with::<BvhAccel>(prepared, phases, start),
+    }
+}
+
+fn say(args: &RenderArgs, text: &str) {
+    if !args.quiet {
+        eprintln!("{text}");
+    }
+}
+
+/// Where images go; every place is tried before the work starts.
+fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
+    let mut outputs = args.output.clone();
+    // A pyramid or a technique's study still writes the image itself: it is the sum of the others.
+    if outputs.is_empty() {
+        let name = args.scene.file_stem().unwrap_or(args.scene.as_os_str());
+        outputs.push(PathBuf::from(name).with_extension("exr"));
+    }
+    for path in outputs.iter().chain(&args.stats) {
+        if same_file(path, &args.scene) {
+            return Err(Failure::usage(format!("{}: this is the scene itself; choose another name", path.display())));
+        }
+    }
+    for path in &outputs {
+        output::check_writable(path).map_err(Failure::usage)?;
+    }
+    if let Some(path) = &args.stats {
+        output::check_folder(path).map_err(Failure::usage)?;
+    }
+    if let Some(folder) = &args.pyramid {
+        pyramid::check(folder)?;
+    }
+    Ok(outputs)
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// The command line overrides what the file says.
+fn override_desc(desc: &mut SceneDesc, args: &RenderArgs) {
+    if let Some(Size(size)) = args.size {
+        desc.camera.resolution = size;
+    }
+    if let Some(spp) = args.spp {
+        desc.samples = spp;
+    }
+    if let Some(seed) = args.seed {
+        desc.sampler.seed = seed;
+    }
+    if let Some(sampler) = args.sampler {
+        desc.sampler.kind = sampler.into();
+    }
+    if let Some(integrator) = args.integrator {
+        desc.integrator.kind = integrator.into();
+    }
+    if let Some(bounces) = args.max_bounces {
+        desc.integrator.max_bounces = bounces;
+    }
+    if let Some(heuristic) = args.heuristic {
+        desc.integrator.heuristic = heuristic.into();
+    }
+    if args.no_roulette {
+        desc.integrator.russian_roulette = false;
+    }
+}
+
+fn crop(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Crop, Failure> {
+    let Some(crop) = args.crop else { return Ok(Crop::full([width, height])) };
+    let [x0, y0, x1, y1] = crop.0;
+    if x1 > width || y1 > height {
+        return Err(Failure::usage(format!(
+            "--crop {x0},{y0},{x1},{y1} reaches outside the image: it is {width} × {height} pixels, the ends of a \
+             crop are exclusive"
+        )));
+    }
+    Ok(Crop { x0, y0, x1, y1 })
+}
+
+fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure> {
+    let integrator = match desc.integrator.kind {
+        IntegratorKind::Auto | IntegratorKind::Bdpt => Integrator::Bdpt,
+        IntegratorKind::Path => Integrator::Path,
+        IntegratorKind::Light => Integrator::Light,
+    };
+    if integrator == Integrator::Light && args.light_paths == 0 {
+        return Err(Failure::usage("--light-paths 0 leaves the light tracer nothing to do: give at least 1"));
+    }
+    let only = args.technique.map(|t| t.0);
+    if let Some(t) = only {
+        let makes = match integrator {
+            Integrator::Path => t.s <= 1 && t.t >= 2,
+            Integrator::Light => t.t == 1,
+            Integrator::Bdpt => true,
+        };
+        if !makes {
+            return Err(Failure::usage(format!(
+                "--technique {},{}: the {} integrator has no such technique; use bdpt",
+                t.s,
+                t.t,
+                format!("{integrator:?}").to_lowercase()
+            )));
+        }
+    }
+    Ok(Settings {
+        integrator,
+        max_bounces: desc.integrator.max_bounces,
+        roulette: desc.integrator.russian_roulette,
+        heuristic: desc.integrator.heuristic,
+        light_paths: args.light_paths,
+        connections: args.connections.min(args.light_paths),
+        sampler: desc.sampler.kind,
+        seed: desc.sampler.seed,
+        weighted: !args.unweighted,
+        only,
+    })
+}
+
+/// A render whose questions are all answered but for the backend.
+struct Run<'a> {
+    args: &'a RenderArgs,
+    desc: &'a SceneDesc,
+    crop: Crop,
+    settings: Settings,
+    outputs: Vec<PathBuf>,
+}
+
+impl Run<'_> {
+    fn with<A: Accel>(&self, prepared: Prepared, mut phases: stats::Phases, start: Instant) -> Result<(), Failure> {
+        let args = self.args;
+        let scene: Scene<A> = Scene::build(prepared, AccelOptions::default()).map_err(Failure::other)?;
+        phases.build = start.elapsed();
+
+        let start = Instant::now();
+        let job = RenderJob {
+            settings: self.settings,
+            samples: self.desc.samples,
+            crop: self.crop,
+            threads: args.threads.unwrap_or(0) as usize,
+            pyramid: args.pyramid.is_some().then_some(args.pyramid_edges),
+        };
+        let reporter = Reporter::new(args.quiet, job.samples);
+        let rendered = render(&scene, &job, &|p| {
+            reporter.update(p);
+            true
+        })
+        .map_err(Failure::other)?;
+        reporter.finish();
+        phases.render = start.elapsed();
+
+        let start = Instant::now();
+        let metadata = self.metadata(&scene.accel.describe());
+        let [width, height] = self.desc.camera.resolution;
+        let window = Window { x: self.crop.x0, y: self.crop.y0, full_width: width, full_height: height };
+        let encoding = Encoding { metadata: &metadata, window, exposure: args.exposure };
+        for path in &self.outputs {
+            output::write_image(path, &rendered.image, &encoding).map_err(Failure::other)?;
+        }
+        if let Some(folder) = &args.pyramid {
+            pyramid::write(folder, &rendered.techniques, &encoding)?;
+        }
+        phases.write = start.elapsed();
+        if let Some(path) = &args.stats {
+            let json = stats::json(&job, self.desc, &scene.accel.describe(), &rendered, &phases);
+            output::write_atomically(path, format!("{json:#}\n").as_bytes()).map_err(Failure::other)?;
+        }
+        self.summary(&rendered, &phases);
+        verdict(&rendered, self.settings.seed)
+    }
+
+    /// What made the image, and only what the same command makes again: nothing that varies from run to run.
+    fn metadata(&self, accel: &str) -> Metadata {
+        let s = &self.settings;
+        let mut m = Metadata::default();
+        m.set("software", format!("twinlight {}", env!("CARGO_PKG_VERSION")));
+        m.set("twinlight:git", env!("TWINLIGHT_GIT_HASH"));
+        m.set("twinlight:scene", format!("{:032x}", scene_hash(self.desc)));
+        m.set("twinlight:spp", self.desc.samples.to_string());
+        m.set("twinlight:seed", s.seed.to_string());
+        m.set("twinlight:sampler", format!("{:?}", s.sampler).to_lowercase());
+        m.set("twinlight:integrator", format!("{:?}", s.integrator).to_lowercase());
+        m.set("twinlight:heuristic", format!("{:?}", s.heuristic).to_lowercase());
+        m.set("twinlight:max_bounces", s.max_bounces.to_string());
+        m.set("twinlight:roulette", s.roulette.to_string());
+        m.set("twinlight:light_paths", s.light_paths.to_string());
+        m.set("twinlight:connections", s.connections.to_string());
+        if let Some(t) = s.only {
+            let weights = if s.weighted { "weighted" } else { "unweighted" };
+            m.set("twinlight:technique", format!("{},{} {weights}", t.s, t.t));
+        }
+        m.set("twinlight:accel", accel);
+        m
+    }
+
+    fn summary(&self, rendered: &Rendered, phases: &stats::Phases) {
+        let seconds = phases.render.as_secs_f64();
+        let names: Vec<String> = self.outputs.iter().map(|p| p.display().to_string()).collect();
+        say(
+            self.args,
+            &format!(
+                "{}: {} spp in {} ({:.2} Mrays/s)",
+                names.join(", "),
+                self.desc.samples,
+                duration(seconds),
+                rendered.rays.total() as f64 / seconds.max(1e-9) * 1e-6
+            ),
+        );
+    }
+}
+
+/// Contributions that were kept from the film are told, and decide the exit status.
+fn verdict(rendered: &Rendered, seed: u64) -> Result<(), Failure> {
+    if rendered.rejected == 0 && rendered.overflows == 0 {
+        return Ok(());
+    }
+    let mut message = format!(
+        "{} non-finite and {} overflowing contributions were left out; the image was written without them",
+        rendered.rejected, rendered.overflows
+    );
+    for r in &rendered.rejected_first {
+        message += &format!(
+            "\n  pixel {},{} sample {} technique ({},{}) seed {seed}",
+            r.pixel[0], r.pixel[1], r.sample, r.technique.s, r.technique.t
+        );
+    }
+    Err(Failure::new(status::NON_FINITE, message))
+}

@@ -1,0 +1,182 @@
+//! Exact sums: the image has the same bits for any number of threads and any order of tiles.
+//!
+//! Floating-point addition is not associative, integer addition is. Every contribution is rounded once to a multiple
+//! of a quantum 2ᵉ, and sums are 128-bit integers. The quantum follows the scene's brightest emission alone, so that
+//! emission × 2ᵏ shifts every sum exactly. 2¹²⁸ quanta leave room for 10⁷ samples per pixel of light 2²⁷ times as
+//! bright as the brightest emitter; more than that is counted as an overflow, never wrapped.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::Image;
+use crate::math::Rgb;
+
+/// The brightest emission is this many powers of two above the quantum.
+const BITS_BELOW_EMISSION: i32 = 56;
+
+/// Contributions beyond this many quanta are overflows: 2⁴³ of them (a megapixel of splats at 10⁷ samples, all on one
+/// pixel) still fit.
+const LARGEST: f64 = 9.671_406_556_917_033e24; // 2⁸³
+
+/// Sums of contributions, shared by all threads.
+#[derive(Debug)]
+pub struct Accumulator {
+    width: u32,
+    height: u32,
+    /// 2⁻ᵉ.
+    scale: f64,
+    /// Low and high half of a two's complement 128-bit sum per channel.
+    cells: Vec<[[AtomicU64; 2]; 3]>,
+    overflows: AtomicU64,
+}
+
+/// A sum of contributions in quanta, one thread's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Quanta(pub [i128; 3]);
+
+impl std::ops::AddAssign for Quanta {
+    #[inline]
+    fn add_assign(&mut self, o: Self) {
+        for (a, b) in self.0.iter_mut().zip(o.0) {
+            *a += b;
+        }
+    }
+}
+
+impl Accumulator {
+    /// An empty sum for an image whose brightest emission (radiance or intensity, any channel) is `emission`.
+    pub fn new(width: u32, height: u32, emission: f32) -> Self {
+        let exponent = if emission > 0.0 && emission.is_finite() { emission.log2().floor() as i32 } else { 0 };
+        let cells = (0..width as usize * height as usize).map(|_| Default::default()).collect();
+        Self {
+            width,
+            height,
+            scale: f64::from(BITS_BELOW_EMISSION - exponent).exp2(),
+            cells,
+            overflows: AtomicU64::new(0),
+        }
+    }
+
+    /// Rounds a finite contribution to quanta. One that is too large becomes zero and is counted.
+    #[inline]
+    pub fn quantize(&self, value: Rgb) -> Quanta {
+        let x = value.as_dvec3() * self.scale;
+        if x.abs().max_element() < LARGEST {
+            Quanta([round(x.x), round(x.y), round(x.z)])
+        } else {
+            self.overflows.fetch_add(1, Ordering::Relaxed);
+            Quanta::default()
+        }
+    }
+
+    /// Adds to a pixel (row-major index).
+    #[inline]
+    pub fn add(&self, pixel: usize, quanta: Quanta) {
+        for (cell, value) in self.cells[pixel].iter().zip(quanta.0) {
+            let (low, high) = (value as u64, (value >> 64) as u64);
+            // Each addition sees its own carry out of the low half, whatever other threads do in between, and the
+            // high half takes carries in any order: the pair ends at the true sum mod 2¹²⁸.
+            let old = cell[0].fetch_add(low, Ordering::Relaxed);
+            let carry = u64::from(old.checked_add(low).is_none());
+            let high = high.wrapping_add(carry);
+            if high != 0 {
+                cell[1].fetch_add(high, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// How many contributions were too large to be summed.
+    pub fn overflows(&self) -> u64 {
+        self.overflows.load(Ordering::Relaxed)
+    }
+
+    /// The mean over `samples` samples per pixel. All threads must have finished adding.
+    pub fn resolve(&self, samples: u64) -> Image {
+        let factor = 1.0 / (self.scale * samples.max(1) as f64);
+        let mut image = Image::new(self.width, self.height);
+        for (pixel, cell) in image.rgb.iter_mut().zip(&self.cells) {
+            for (channel, [low, high]) in pixel.iter_mut().zip(cell) {
+                let sum = (u128::from(high.load(Ordering::Relaxed)) << 64) | u128::from(low.load(Ordering::Relaxed));
+                *channel = (sum as i128 as f64 * factor) as f32;
+            }
+        }
+        image
+    }
+}
+
+/// To the nearest integer, ties to even.
+#[inline]
+fn round(x: f64) -> i128 {
+    // 64-bit conversion is one instruction; the 128-bit one is a call.
+    let x = x.round_ties_even();
+    if x.abs() < 9.2e18 { i128::from(x as i64) } else { x as i128 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_do_not_depend_on_order_or_threads() {
+        let values: Vec<Rgb> = (0..10_000u32)
+            .map(|i| {
+                let x = (f64::from(i) * 0.754_877_666).fract() as f32;
+                Rgb::new(x, x * x * 1e-9, -x * 1e7)
+            })
+            .collect();
+        let forward = Accumulator::new(1, 1, 17.0);
+        for v in &values {
+            forward.add(0, forward.quantize(*v));
+        }
+        let shared = Accumulator::new(1, 1, 17.0);
+        std::thread::scope(|scope| {
+            for part in 0..5 {
+                let (shared, values) = (&shared, &values);
+                scope.spawn(move || {
+                    let mut local = Quanta::default();
+                    for (i, v) in values.iter().rev().enumerate().filter(|(i, _)| i % 5 == part) {
+                        if i % 2 == 0 {
+                            shared.add(0, shared.quantize(*v));
+                        } else {
+                            local += shared.quantize(*v);
+                        }
+                    }
+                    shared.add(0, local);
+                });
+            }
+        });
+        assert_eq!(forward.resolve(10_000).rgb, shared.resolve(10_000).rgb);
+        let exact: f64 = values.iter().map(|v| f64::from(v.z)).sum::<f64>() / 10_000.0;
+        assert!((f64::from(forward.resolve(10_000).rgb[0][2]) / exact - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn emission_times_a_power_of_two_shifts_the_image_exactly() {
+        for k in [-60, -20, 1, 40] {
+            let factor = f32::exp2(k as f32);
+            let (a, b) = (Accumulator::new(1, 1, 12.5), Accumulator::new(1, 1, 12.5 * factor));
+            for i in 0..1000u32 {
+                let v = Rgb::splat(0.1 + (i as f32).sin().abs() * 3.3);
+                a.add(0, a.quantize(v));
+                b.add(0, b.quantize(v * factor));
+            }
+            assert_eq!(a.resolve(1000).rgb[0].map(|x| x * factor), b.resolve(1000).rgb[0]);
+        }
+    }
+
+    #[test]
+    fn ten_million_samples_lose_nothing_and_too_large_ones_are_counted() {
+        let film = Accumulator::new(1, 1, 1.0);
+        let one = film.quantize(Rgb::splat(0.1));
+        let mut local = Quanta::default();
+        for _ in 0..10_000_000 {
+            local += one;
+        }
+        film.add(0, local);
+        let got = film.resolve(10_000_000).rgb[0][0];
+        assert_eq!(got, 0.1);
+        assert_eq!(film.overflows(), 0);
+        film.add(0, film.quantize(Rgb::splat(1e30)));
+        assert_eq!(film.overflows(), 1);
+        assert_eq!(film.resolve(10_000_000).rgb[0][0], got);
+    }
+}

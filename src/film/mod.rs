@@ -1,0 +1,7 @@
+//! The film: exact sums of contributions, and the images they resolve to.
+
+mod accumulator;
+mod image;
+
+pub use accumulator::{Accumulator, Quanta};
+pub use image::Image;

@@ -1,0 +1,249 @@
+//! What the readers of a scene share: the document, the diagnostics found so far, and how objects are checked.
+//!
+//! A reader that meets an error reports it here and returns `None`; its caller carries on with the next value, so that
+//! one run shows all the mistakes of a file.
+
+use std::path::Path;
+
+use super::json::{Document, Entry, Kind, Node, excerpt};
+use crate::scene::desc::{Diagnostic, Place, SceneError};
+
+/// Diagnostics kept; a file with more is told how many were left off.
+const MAX_DIAGNOSTICS: usize = 100;
+
+/// dirt's ways to fill a camera or a surface with a medium.
+const MEDIA_KEYS: &[&str] = &["medium", "medium_interface", "interior_medium", "exterior_medium"];
+
+/// The state of reading one scene file.
+pub(super) struct Context<'a> {
+    document: Document<'a>,
+    /// Where the files named by the scene lie.
+    pub base_dir: &'a Path,
+    /// What the reader should know but need not mend, with the offset it belongs to.
+    notes: Vec<(usize, String)>,
+    /// Diagnostics with the offset in the scene file that they belong to.
+    diagnostics: Vec<(usize, Diagnostic)>,
+    left_off: usize,
+}
+
+/// An object of the document, without duplicate keys.
+pub(super) struct Object<'a> {
+    /// The object itself.
+    pub node: Node<'a>,
+    entries: Vec<Entry<'a>>,
+}
+
+impl<'a> Object<'a> {
+    /// The value of a key.
+    pub fn get(&self, key: &str) -> Option<&Node<'a>> {
+        self.entries.iter().find(|e| e.key == key).map(|e| &e.value)
+    }
+
+    /// Whether a key is present.
+    pub fn has(&self, key: &str) -> bool {
+        self.get(key).is_some()
+    }
+}
+
+impl<'a> Context<'a> {
+    /// A reader of a document whose file names are relative to `base_dir`.
+    pub fn new(document: Document<'a>, base_dir: &'a Path) -> Self {
+        Self { document, base_dir, notes: Vec::new(), diagnostics: Vec::new(), left_off: 0 }
+    }
+
+    /// Ends reading: everything found wrong or, if nothing is, the notes; both in file order.
+    pub fn finish(mut self) -> Result<Vec<String>, SceneError> {
+        if self.diagnostics.is_empty() {
+            self.notes.sort_by_key(|(offset, _)| *offset);
+            return Ok(self.notes.into_iter().map(|(_, note)| note).collect());
+        }
+        self.diagnostics.sort_by_key(|(offset, _)| *offset);
+        let mut diagnostics: Vec<Diagnostic> = self.diagnostics.into_iter().map(|(_, d)| d).collect();
+        if self.left_off > 0 {
+            let at = Place { line: 0, ..self.document.place(0, "") };
+            diagnostics.push(Diagnostic { at, message: format!("{} more errors are not shown", self.left_off) });
+        }
+        Err(SceneError { diagnostics })
+    }
+
+    /// The place of a value.
+    pub fn place(&self, node: &Node<'_>) -> Place {
+        self.document.place(node.offset, &node.pointer)
+    }
+
+    /// Reports an error at a value.
+    pub fn error(&mut self, node: &Node<'_>, message: impl Into<String>) {
+        let at = self.place(node);
+        self.push(node.offset, Diagnostic { at, message: message.into() });
+    }
+
+    /// Reports an error in a file that a value of the scene names.
+    pub fn error_in_asset(&mut self, node: &Node<'_>, at: Place, message: String) {
+        self.push(node.offset, Diagnostic { at, message });
+    }
+
+    fn push(&mut self, offset: usize, diagnostic: Diagnostic) {
+        if self.diagnostics.len() < MAX_DIAGNOSTICS {
+            self.diagnostics.push((offset, diagnostic));
+        } else {
+            self.left_off += 1;
+        }
+    }
+
+    /// Records something about a value that needs no mending.
+    pub fn note(&mut self, node: &Node<'_>, message: &str) {
+        let at = self.place(node);
+        self.notes.push((node.offset, format!("{at}: {message}")));
+    }
+
+    /// Reports a value of the wrong type.
+    pub fn wrong_type(&mut self, node: &Node<'_>, expected: &str) {
+        let found = node.describe();
+        self.error(node, format!("expected {expected}, found {found}"));
+    }
+
+    /// Reads an object and reports its duplicate keys.
+    pub fn object(&mut self, node: &Node<'a>, expected: &str) -> Option<Object<'a>> {
+        if node.kind() != Kind::Object {
+            self.wrong_type(node, expected);
+            return None;
+        }
+        let all = match node.entries() {
+            Ok(all) => all,
+            Err((offset, key)) => {
+                let message = format!("the key {} is not a valid string", excerpt(&key));
+                self.error(&Node { offset, ..node.clone() }, message);
+                return None;
+            }
+        };
+        let mut entries: Vec<Entry<'a>> = Vec::with_capacity(all.len());
+        for entry in all {
+            match entries.iter().find(|e| e.key == entry.key) {
+                Some(first) => {
+                    let at = self.document.place(first.key_offset, "");
+                    let message = format!("duplicate key {:?}; it is already given on line {}", entry.key, at.line);
+                    self.error(&Node { offset: entry.key_offset, ..entry.value }, message);
+                }
+                None => entries.push(entry),
+            }
+        }
+        Some(Object { node: node.clone(), entries })
+    }
+
+    /// Reads the elements of an array.
+    pub fn array(&mut self, node: &Node<'a>, expected: &str) -> Option<Vec<Node<'a>>> {
+        if node.kind() == Kind::Array {
+            return Some(node.elements());
+        }
+        self.wrong_type(node, expected);
+        None
+    }
+
+    /// Reports keys that are not allowed: those the format knows (`later`) as not supported yet, others as unknown.
+    pub fn check_keys(&mut self, object: &Object<'a>, allowed: &[&str], later: &[&str]) {
+        for entry in &object.entries {
+            let key = entry.key.as_str();
+            if allowed.contains(&key) {
+                continue;
+            }
+            let message = if MEDIA_KEYS.contains(&key) {
+                format!("{key:?}: participating media are not supported; supported here: {}", list(allowed))
+            } else if later.contains(&key) {
+                format!("{key:?} is not supported yet; supported here: {}", list(allowed))
+            } else {
+                format!("unknown key {:?};{} allowed: {}", excerpt(key), suggestion(key, allowed), list(allowed))
+            };
+            self.error(&Node { offset: entry.key_offset, ..entry.value.clone() }, message);
+        }
+    }
+
+    /// The value of a key that must be there.
+    pub fn required<'o>(&mut self, object: &'o Object<'a>, key: &str) -> Option<&'o Node<'a>> {
+        let value = object.get(key);
+        if value.is_none() {
+            self.error(&object.node, format!("{key:?} is missing"));
+        }
+        value
+    }
+
+    /// Reads a string that must be one of `supported`; `later` are the format's words for what is not built yet.
+    pub fn choice(
+        &mut self,
+        node: &Node<'a>,
+        what: &str,
+        supported: &[&'static str],
+        later: &[&str],
+    ) -> Option<&'static str> {
+        let word = self.string(node)?;
+        if let Some(&found) = supported.iter().find(|&&s| s == word) {
+            return Some(found);
+        }
+        let message = if later.contains(&word.as_str()) {
+            format!("{what} {word:?} is not supported yet; supported: {}", list(supported))
+        } else {
+            let shown = excerpt(&word);
+            format!("unknown {what} {shown:?};{} allowed: {}", suggestion(&word, supported), list(supported))
+        };
+        self.error(node, message);
+        None
+    }
+}
+
+/// Words as `a, b, c`.
+pub(super) fn list<S: AsRef<str>>(words: &[S]) -> String {
+    words.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(", ")
+}
+
+/// ` did you mean "x"?;` for the candidate nearest to a word, or nothing when none is near.
+pub(super) fn suggestion<S: AsRef<str>>(word: &str, candidates: &[S]) -> String {
+    // A third of the letters may be wrong: enough for a slip, too few to turn one word into another.
+    let limit = (word.chars().count() / 3).max(1);
+    candidates
+        .iter()
+        .map(|c| (edit_distance(word, c.as_ref()), c.as_ref()))
+        .filter(|(distance, _)| *distance <= limit)
+        .min_by_key(|(distance, _)| *distance)
+        .map_or_else(String::new, |(_, c)| format!(" did you mean {c:?}?"))
+}
+
+/// Levenshtein's distance, ignoring case; a swap of two neighbours counts once (optimal string alignment).
+fn edit_distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.to_lowercase().chars().take(64).collect();
+    let b: Vec<char> = b.to_lowercase().chars().take(64).collect();
+    let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];
+    for i in 1..=a.len() {
+        let mut row = vec![i];
+        for j in 1..=b.len() {
+            let change = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut best = change.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                best = best.min(rows[i - 2][j - 2] + 1);
+            }
+            row.push(best);
+        }
+        rows.push(row);
+    }
+    rows[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suggestions_are_near() {
+        let keys = ["albedo", "name", "type", "two_sided"];
+        assert_eq!(suggestion("albdeo", &keys), " did you mean \"albedo\"?");
+        assert_eq!(suggestion("Type", &keys), " did you mean \"type\"?");
+        assert_eq!(suggestion("twosided", &keys), " did you mean \"two_sided\"?");
+        assert_eq!(suggestion("roughness", &keys), "");
+    }
+
+    #[test]
+    fn edit_distances() {
+        for (a, b, d) in [("", "abc", 3), ("abc", "abc", 0), ("abc", "acb", 1), ("kitten", "sitting", 3)] {
+            assert_eq!(edit_distance(a, b), d, "{a} {b}");
+            assert_eq!(edit_distance(b, a), d, "{b} {a}");
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! Materials: named ones, inline ones, and references by name.
+
+use std::collections::HashMap;
+
+use super::context::{Context, Object, list, suggestion};
+use super::json::{Kind, Node, excerpt, printable};
+use super::value::{EMISSION, HALF_ANGLE, NON_NEGATIVE, POSITIVE, UNIT};
+use crate::scene::desc::{MaterialDesc, MaterialKind, Place};
+
+/// The types that are built.
+const SUPPORTED: &[&str] =
+    &["lambertian", "mirror", "metal", "dielectric", "diffuse light", "point light", "spot light", "null"];
+
+/// The types that the format names and that are not built yet.
+const LATER: &[&str] =
+    &["conductor", "plastic", "thin dielectric", "blend", "phong", "blinnphong", "beckmann", "oren-nayar"];
+
+/// Material keys of surfaces that are textures.
+const LATER_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
+
+/// Names listed in a message.
+const MAX_NAMES: usize = 20;
+
+/// The materials read so far.
+#[derive(Default)]
+pub(super) struct Materials {
+    /// All materials; `None` stands for one whose errors are already reported.
+    list: Vec<Option<MaterialDesc>>,
+    by_name: HashMap<String, usize>,
+    /// Names in file order, for messages.
+    names: Vec<String>,
+}
+
+impl Materials {
+    /// The material at an index, unless it was in error.
+    pub fn get(&self, index: usize) -> Option<&MaterialDesc> {
+        self.list.get(index)?.as_ref()
+    }
+
+    /// Adds a material and returns its index.
+    pub fn push(&mut self, material: Option<MaterialDesc>) -> usize {
+        self.list.push(material);
+        self.list.len() - 1
+    }
+
+    /// All materials, or nothing if one was in error.
+    pub fn into_all(self) -> Option<Vec<MaterialDesc>> {
+        self.list.into_iter().collect()
+    }
+}
+
+/// The format's name of a material type.
+pub(super) fn type_name(kind: &MaterialKind) -> &'static str {
+    match kind {
+        MaterialKind::Lambertian { .. } => "lambertian",
+        MaterialKind::Mirror { .. } => "mirror",
+        MaterialKind::Dielectric { .. } => "dielectric",
+        MaterialKind::Black => "diffuse light",
+        MaterialKind::Null => "null",
+        MaterialKind::PointLight { .. } => "point light",
+        MaterialKind::SpotLight { .. } => "spot light",
+    }
+}
+
+impl<'a> Context<'a> {
+    /// The scene's named materials.
+    pub fn materials(&mut self, scene: &Object<'a>) -> Materials {
+        let mut materials = Materials::default();
+        let nodes = scene.get("materials").and_then(|node| self.array(node, "an array of materials"));
+        for node in nodes.unwrap_or_default() {
+            let Some(object) = self.object(&node, "an object") else { continue };
+            let name = self.required(&object, "name").and_then(|n| self.string(n));
+            let material = self.material(&object, name.clone());
+            let index = materials.push(material);
+            let Some(name) = name else { continue };
+            if materials.by_name.contains_key(&name) {
+                let at = object.get("name").unwrap_or(&object.node);
+                self.error(at, format!("duplicate material name {:?}; names must differ", excerpt(&name)));
+            } else {
+                // A material in error keeps its name, so that references to it are not errors, too.
+                materials.names.push(name.clone());
+                materials.by_name.insert(name, index);
+            }
+        }
+        materials
+    }
+
+    /// The index of the material that a value names or holds.
+    pub fn material_reference(&mut self, node: &Node<'a>, materials: &mut Materials) -> Option<usize> {
+        match node.kind() {
+            Kind::String => {
+                let name = self.string(node)?;
+                let found = materials.by_name.get(&name).copied();
+                if found.is_none() {
+                    let known = if materials.names.is_empty() {
+                        "there are no named materials".to_owned()
+                    } else {
+                        let shown: Vec<_> = materials.names.iter().take(MAX_NAMES).map(|n| printable(n)).collect();
+                        let more = if materials.names.len() > MAX_NAMES { ", …" } else { "" };
+                        format!("known: {}{more}", list(&shown))
+                    };
+                    let suggestion = suggestion(&name, &materials.names);
+                    self.error(node, format!("no material is named {:?};{suggestion} {known}", excerpt(&name)));
+                }
+                found
+            }
+            Kind::Object => {
+                let object = self.object(node, "an object")?;
+                let name = object.get("name").and_then(|n| self.string(n));
+                let material = self.material(&object, name);
+                Some(materials.push(material))
+            }
+            _ => {
+                self.wrong_type(node, "the name of a material or a material object");
+                None
+            }
+        }
+    }
+
+    fn material(&mut self, object: &Object<'a>, name: Option<String>) -> Option<MaterialDesc> {
+        let at = self.place(&object.node);
+        let type_node = self.required(object, "type")?;
+        let name_of_type = self.choice(type_node, "material type", SUPPORTED, LATER)?;
+        let kind = match name_of_type {
+            "lambertian" => self.lambertian(object),
+            "mirror" | "metal" => self.mirror(object, name_of_type == "metal"),
+            "dielectric" => self.dielectric(object),
+            "diffuse light" => return self.diffuse_light(object, name, at),
+            "point light" => self.point_light(object),
+            "spot light" => self.spot_light(object),
+            _ => self.null(object),
+        };
+        let emit = match name_of_type {
+            // Their `emit` is an intensity, or an error already reported.
+            "point light" | "spot light" | "null" => [0.0; 3],
+            _ => self.reflecting_emission(object)?,
+        };
+        Some(MaterialDesc { name, kind: kind?, emit, at })
+    }
+
+    /// Reports unknown keys of a material with the given keys of its own.
+    fn check_material_keys(&mut self, object: &Object<'a>, own: &[&str]) {
+        let keys: Vec<&str> = ["type", "name"].into_iter().chain(own.iter().copied()).collect();
+        self.check_keys(object, &keys, LATER_KEYS);
+    }
+
+    /// A colour in [0,1] with an optional default.
+    fn reflectance(&mut self, object: &Object<'a>, key: &str, default: Option<f64>) -> Option<[f64; 3]> {
+        match (object.get(key), default) {
+            (Some(node), _) => self.color(node, UNIT),
+            (None, Some(default)) => Some([default; 3]),
+            (None, None) => {
+                self.required(object, key);
+                None
+            }
+        }
+    }
+
+    fn flag(&mut self, object: &Object<'a>, key: &str) -> Option<bool> {
+        object.get(key).map_or(Some(false), |node| self.boolean(node))
+    }
+
+    fn lambertian(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
+        self.check_material_keys(object, &["albedo", "two_sided", "emit", "emit_two_sided"]);
+        let albedo = self.reflectance(object, "albedo", None);
+        let two_sided = self.flag(object, "two_sided");
+        Some(MaterialKind::Lambertian { albedo: albedo?, two_sided: two_sided? })
+    }
+
+    fn mirror(&mut self, object: &Object<'a>, metal: bool) -> Option<MaterialKind> {
+        let keys = ["albedo", "emit", "emit_two_sided", "roughness"];
+        self.check_material_keys(object, if metal { &keys } else { &keys[..3] });
+        let albedo = self.reflectance(object, "albedo", Some(1.0));
+        if metal {
+            self.smooth(object);
+        }
+        Some(MaterialKind::Mirror { albedo: albedo? })
+    }
+
+    /// Reports a roughness above 0: rough models are not built yet.
+    fn smooth(&mut self, object: &Object<'a>) {
+        if let Some(node) = object.get("roughness") {
+            if self.scalar(node, NON_NEGATIVE).is_some_and(|alpha| alpha > 0.0) {
+                self.error(node, format!("roughness {} is not supported yet; supported: 0 (smooth)", node.text));
+            }
+        }
+    }
+
+    fn dielectric(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
+        self.check_material_keys(object, &["ior", "roughness", "transmittance", "emit", "emit_two_sided"]);
+        let ior = object.get("ior").map_or(Some(1.5), |node| self.number(node, POSITIVE));
+        let transmittance = self.reflectance(object, "transmittance", Some(1.0));
+        self.smooth(object);
+        Some(MaterialKind::Dielectric { ior: ior?, transmittance: transmittance? })
+    }
+
+    fn diffuse_light(&mut self, object: &Object<'a>, name: Option<String>, at: Place) -> Option<MaterialDesc> {
+        self.check_material_keys(object, &["emit", "two_sided"]);
+        self.one_sided_emission(object, "two_sided");
+        let emit = self.required(object, "emit").and_then(|node| self.color(node, EMISSION));
+        Some(MaterialDesc { name, kind: MaterialKind::Black, emit: emit?, at })
+    }
+
+    /// The optional emission of a material that also reflects.
+    fn reflecting_emission(&mut self, object: &Object<'a>) -> Option<[f64; 3]> {
+        self.one_sided_emission(object, "emit_two_sided");
+        object.get("emit").map_or(Some([0.0; 3]), |node| self.color(node, EMISSION))
+    }
+
+    fn one_sided_emission(&mut self, object: &Object<'a>, key: &str) {
+        if let Some(node) = object.get(key) {
+            if self.boolean(node) == Some(true) {
+                self.error(node, "emission on both sides is not supported yet; supported: false");
+            }
+        }
+    }
+
+    fn null(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
+        self.check_material_keys(object, &["emit"]);
+        if let Some(node) = object.get("emit") {
+            self.error(node, "a \"null\" surface cannot emit: it is not there; give the light a surface of its own");
+            return None;
+        }
+        Some(MaterialKind::Null)
+    }
+
+    fn point_light(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
+        self.check_material_keys(object, &["emit"]);
+        let intensity = self.required(object, "emit").and_then(|node| self.color(node, EMISSION));
+        Some(MaterialKind::PointLight { intensity: intensity? })
+    }
+
+    fn spot_light(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
+        self.check_material_keys(object, &["emit", "inner_angle", "outer_angle", "falloff", "profile"]);
+        self.spot(object, "emit")
+    }
+
+    /// A spot light whose peak intensity is under `intensity_key`; its keys have been checked.
+    pub fn spot(&mut self, object: &Object<'a>, intensity_key: &str) -> Option<MaterialKind> {
+        let intensity = self.required(object, intensity_key).and_then(|node| self.color(node, EMISSION));
+        let inner = self.required(object, "inner_angle").and_then(|node| self.number(node, HALF_ANGLE));
+        let outer = self.required(object, "outer_angle").and_then(|node| self.number(node, HALF_ANGLE));
+        let falloff = object.get("falloff").map_or(Some(0.5), |node| self.number(node, NON_NEGATIVE));
+        if let Some(profile) = object.get("profile") {
+            self.choice(profile, "spot profile", &["cosine"], &["angle"])?;
+        }
+        let (intensity, inner_angle, outer_angle, falloff) = (intensity?, inner?, outer?, falloff?);
+        if inner_angle > outer_angle {
+            let message =
+                format!("inner_angle {inner_angle} exceeds outer_angle {outer_angle}; allowed: at most as large");
+            self.error(object.get("inner_angle").unwrap_or(&object.node), message);
+            return None;
+        }
+        Some(MaterialKind::SpotLight { intensity, inner_angle, outer_angle, falloff })
+    }
+}

@@ -1,0 +1,112 @@
+//! Mesh files: which format, compressed or not, and where an error in one is.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use flate2::read::MultiGzDecoder;
+
+use super::scan::{MeshError, Spot};
+use super::{obj, place_in_file, ply};
+use crate::scene::desc::{Diagnostic, MeshDesc};
+
+/// Largest size in bytes that a compressed mesh may inflate to: a small file can be made to fill any memory.
+pub const MAX_INFLATED_BYTES: u64 = 4 << 30;
+
+/// Why a mesh file could not be loaded.
+#[derive(Debug)]
+pub enum MeshFileError {
+    /// It could not be read or inflated: why.
+    Unreadable(String),
+    /// Its name ends like no known format's.
+    UnknownFormat,
+    /// Its content is wrong: where and how.
+    Invalid(Diagnostic),
+}
+
+/// The known formats.
+#[derive(Clone, Copy)]
+enum Format {
+    Obj,
+    Ply,
+}
+
+/// Loads a mesh from an OBJ or PLY file; either may be compressed by gzip.
+///
+/// # Errors
+/// When the file cannot be read, is of no known format (told by its name's ending), or is not a valid mesh.
+pub fn load_mesh(path: &Path) -> Result<MeshDesc, MeshFileError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let (stem, compressed) = name.strip_suffix(".gz").map_or((name.as_str(), false), |stem| (stem, true));
+    let format = match stem.rsplit_once('.').map(|(_, extension)| extension) {
+        Some("obj") => Format::Obj,
+        Some("ply") => Format::Ply,
+        _ => return Err(MeshFileError::UnknownFormat),
+    };
+    let unreadable = |error: io::Error| MeshFileError::Unreadable(error.to_string());
+    let mut file = File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    if compressed {
+        inflate(file, MAX_INFLATED_BYTES, &mut bytes).map_err(unreadable)?;
+    } else {
+        file.read_to_end(&mut bytes).map_err(unreadable)?;
+    }
+    let mesh = match format {
+        Format::Obj => obj::parse(&bytes),
+        Format::Ply => ply::parse(&bytes),
+    };
+    mesh.map_err(|error| {
+        let MeshError { at, message } = *error;
+        let file = path.display().to_string();
+        MeshFileError::Invalid(match at {
+            Spot::File => Diagnostic { at: place_in_file(&file, 0, 0), message },
+            Spot::Line(line, column) => Diagnostic { at: place_in_file(&file, line, column), message },
+            Spot::Byte(byte) => {
+                Diagnostic { at: place_in_file(&file, 0, 0), message: format!("at byte {byte}: {message}") }
+            }
+        })
+    })
+}
+
+/// Inflates gzip data (of several members, too) of at most `limit` bytes.
+fn inflate(compressed: impl Read, limit: u64, bytes: &mut Vec<u8>) -> io::Result<()> {
+    MultiGzDecoder::new(compressed).take(limit.saturating_add(1)).read_to_end(bytes)?;
+    if bytes.len() as u64 > limit {
+        return Err(io::Error::other(format!("it inflates to more than {limit} bytes, the most that is allowed")));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    fn gzip(data: &[u8]) -> Vec<u8> {
+        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        encoder.write_all(data).unwrap();
+        encoder.finish().unwrap()
+    }
+
+    #[test]
+    fn inflation_stops_at_the_limit() {
+        let data = gzip(&[7; 1000]);
+        let mut out = Vec::new();
+        inflate(data.as_slice(), 1000, &mut out).unwrap();
+        assert_eq!(out, [7; 1000]);
+        let mut out = Vec::new();
+        let error = inflate(data.as_slice(), 999, &mut out).unwrap_err().to_string();
+        assert_eq!(error, "it inflates to more than 999 bytes, the most that is allowed");
+    }
+
+    #[test]
+    fn members_are_joined_and_truncation_is_seen() {
+        let mut data = gzip(b"abc");
+        data.extend(gzip(b"def"));
+        let mut out = Vec::new();
+        inflate(data.as_slice(), 100, &mut out).unwrap();
+        assert_eq!(out, b"abcdef");
+        assert!(inflate(&data[..data.len() - 4], 100, &mut Vec::new()).is_err());
+    }
+}

@@ -1,0 +1,58 @@
+//! The native scene format: JSON text → [`SceneDesc`].
+//!
+//! A superset of the `dirt` teaching renderer's files. Each part of a scene has its reader in a module of its own; all
+//! of them report what they find to one [`Context`] and carry on, so that a file's mistakes are shown together.
+
+use std::path::Path;
+
+use super::context::{Context, Object};
+use super::json::Document;
+use crate::scene::desc::{SceneDesc, SceneError};
+
+const KEYS: &[&str] = &[
+    "camera",
+    "integrator",
+    "sampler",
+    "image_samples",
+    "background",
+    "materials",
+    "surfaces",
+    "lights",
+    "textures",
+    "accelerator",
+    "media",
+];
+
+/// Reads a scene from JSON text; see [`super::scene_from_str`].
+pub(super) fn read(text: &str, file: &str, base_dir: &Path) -> Result<SceneDesc, SceneError> {
+    let (document, root) = Document::parse(text, file).map_err(|d| SceneError { diagnostics: vec![d] })?;
+    let root_place = document.place(root.offset, "");
+    let mut context = Context::new(document, base_dir);
+    let scene = context.object(&root, "an object with a \"camera\"").and_then(|root| read_scene(&mut context, &root));
+    let notes = context.finish()?;
+    // Without diagnostics every part is there; saying so beats trusting it.
+    let scene = scene.ok_or_else(|| SceneError::one(root_place, "the scene is incomplete"))?;
+    Ok(SceneDesc { notes, ..scene })
+}
+
+fn read_scene<'a>(context: &mut Context<'a>, root: &Object<'a>) -> Option<SceneDesc> {
+    context.check_keys(root, KEYS, &[]);
+    let camera = context.camera(root);
+    let integrator = context.integrator(root);
+    let sampler = context.sampler(root);
+    context.background(root);
+    context.ignored(root);
+    let mut materials = context.materials(root);
+    let mut surfaces = context.surfaces(root, &mut materials);
+    context.lights(root, &mut materials, &mut surfaces);
+    let (sampler, samples) = sampler?;
+    Some(SceneDesc {
+        camera: camera?,
+        integrator: integrator?,
+        sampler,
+        samples,
+        materials: materials.into_all()?,
+        surfaces,
+        notes: Vec::new(),
+    })
+}

@@ -1,0 +1,132 @@
+//! Surfaces: a shape, its transform and its material.
+
+use super::context::{Context, Object};
+use super::json::Node;
+use super::materials::{Materials, type_name};
+use super::mesh_file;
+use super::value::POSITIVE;
+use crate::scene::desc::{MaterialKind, MeshDesc, ShapeDesc, SurfaceDesc};
+
+/// The types that are built.
+const SUPPORTED: &[&str] = &["quad", "sphere", "disk", "triangle", "mesh", "delta point"];
+
+/// The types that the format names and that are not built yet.
+const LATER: &[&str] = &["cube", "cylinder", "group", "instance"];
+
+/// Keys that the format names and that are not built yet.
+const LATER_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
+
+impl<'a> Context<'a> {
+    /// The scene's surfaces.
+    pub fn surfaces(&mut self, scene: &Object<'a>, materials: &mut Materials) -> Vec<SurfaceDesc> {
+        let nodes = scene.get("surfaces").and_then(|node| self.array(node, "an array of surfaces"));
+        nodes.unwrap_or_default().iter().filter_map(|node| self.surface(node, materials)).collect()
+    }
+
+    fn surface(&mut self, node: &Node<'a>, materials: &mut Materials) -> Option<SurfaceDesc> {
+        let object = self.object(node, "an object")?;
+        let type_node = self.required(&object, "type")?;
+        let kind = self.choice(type_node, "surface type", SUPPORTED, LATER)?;
+        let own: &[&str] = match kind {
+            "quad" => &["size"],
+            "sphere" | "disk" => &["radius"],
+            "triangle" => &["positions", "normals", "uvs"],
+            "mesh" => &["filename", "positions", "indices", "normals", "uvs"],
+            _ => &[],
+        };
+        let keys = ["type", "transform", "material", "flip_normals"];
+        let keys: Vec<&str> = keys.into_iter().chain(own.iter().copied()).collect();
+        self.check_keys(&object, &keys, LATER_KEYS);
+        let shape = match kind {
+            "quad" => self.quad(&object),
+            "sphere" => self.radius(&object).map(|radius| ShapeDesc::Sphere { radius }),
+            "disk" => self.radius(&object).map(|radius| ShapeDesc::Disk { radius }),
+            "triangle" => self.triangle(&object).map(ShapeDesc::Mesh),
+            "mesh" => self.mesh(&object).map(ShapeDesc::Mesh),
+            _ => Some(ShapeDesc::DeltaPoint),
+        };
+        let transform = self.transform(&object);
+        let flip_normals = object.get("flip_normals").map_or(Some(false), |n| self.boolean(n));
+        let material = self.required(&object, "material");
+        let material = material.and_then(|n| Some((n, self.material_reference(n, materials)?)));
+        if let Some((node, index)) = material {
+            self.check_material_fits(kind, node, index, materials);
+        }
+        Some(SurfaceDesc {
+            shape: shape?,
+            transform: transform?,
+            material: material?.1,
+            flip_normals: flip_normals?,
+            at: self.place(&object.node),
+        })
+    }
+
+    /// Delta points and point or spot lights need each other.
+    fn check_material_fits(&mut self, shape: &str, node: &Node<'a>, index: usize, materials: &Materials) {
+        let Some(material) = materials.get(index) else { return };
+        let is_delta_light = matches!(material.kind, MaterialKind::PointLight { .. } | MaterialKind::SpotLight { .. });
+        let name = type_name(&material.kind);
+        match (shape == "delta point", is_delta_light) {
+            (true, false) => {
+                let message = format!(
+                    "a \"delta point\" cannot be {name:?}: it has no area; allowed: \"point light\", \"spot light\""
+                );
+                self.error(node, message);
+            }
+            (false, true) => {
+                let message = format!("a {name:?} material has no place on a {shape:?}; allowed: on a \"delta point\"");
+                self.error(node, message);
+            }
+            _ => {}
+        }
+    }
+
+    fn quad(&mut self, object: &Object<'a>) -> Option<ShapeDesc> {
+        let size = object.get("size").map_or(Some([1.0; 2]), |node| self.vector(node, POSITIVE))?;
+        Some(ShapeDesc::Quad { size })
+    }
+
+    fn radius(&mut self, object: &Object<'a>) -> Option<f64> {
+        object.get("radius").map_or(Some(1.0), |node| self.number(node, POSITIVE))
+    }
+
+    fn mesh(&mut self, object: &Object<'a>) -> Option<MeshDesc> {
+        let inline = ["positions", "indices", "normals", "uvs"].into_iter().find(|key| object.has(key));
+        match (object.get("filename"), inline) {
+            (Some(node), None) => self.mesh_from_file(node),
+            (Some(node), Some(key)) => {
+                self.error(node, format!("a mesh has either a \"filename\" or inline {key:?}, not both"));
+                None
+            }
+            (None, Some(_)) => self.inline_mesh(object),
+            (None, None) => {
+                let message = "a mesh needs a \"filename\", or inline \"positions\" and \"indices\"";
+                self.error(&object.node, message);
+                None
+            }
+        }
+    }
+
+    fn mesh_from_file(&mut self, node: &Node<'a>) -> Option<MeshDesc> {
+        let name = self.string(node)?;
+        let path = self.base_dir.join(&name);
+        match mesh_file::load_mesh(&path) {
+            Ok(mesh) => Some(mesh),
+            Err(mesh_file::MeshFileError::Unreadable(what)) => {
+                self.error(node, format!("cannot read {}: {what}", path.display()));
+                None
+            }
+            Err(mesh_file::MeshFileError::UnknownFormat) => {
+                let message = format!("{name:?} is no mesh format; allowed: .obj, .ply, .obj.gz, .ply.gz");
+                self.error(node, message);
+                None
+            }
+            Err(mesh_file::MeshFileError::Invalid(diagnostic)) => {
+                let by = self.place(node);
+                let message = format!("{} (named by {by})", diagnostic.message);
+                self.error_in_asset(node, diagnostic.at, message);
+                None
+            }
+        }
+    }
+}

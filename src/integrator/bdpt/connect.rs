@@ -1,0 +1,239 @@
+//! The four ways of joining a light and a camera subpath, each with its weight.
+//!
+//! Every one of them multiplies what the two subpaths carry, the BSDFs (with their cosines) at the joined vertices
+//! and the weight over distance², and asks for visibility last.
+
+use super::{Bdpt, Vertex};
+use crate::accel::Accel;
+use crate::bsdf::Transport;
+use crate::camera::CameraSample;
+use crate::integrator::Recorder;
+use crate::integrator::path::dimensions;
+use crate::light::{Light, LightPoint};
+use crate::math::{Ray, Rgb, distance_squared};
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+
+impl Bdpt {
+    /// `h` of the number of samples of the technique in which camera vertex `number` would be the light's.
+    #[inline(always)]
+    fn count_behind_camera(&self, number: u32) -> f64 {
+        if number == 2 { self.mis.light_paths } else { self.mis.connections }
+    }
+
+    /// `h` of the number of samples of the technique in which light vertex `number` would be the camera's.
+    #[inline(always)]
+    fn count_behind_light(&self, number: u32) -> f64 {
+        if number == 2 { self.mis.next_event } else { self.mis.connections }
+    }
+
+    /// s = 0: the camera subpath has hit light `id`.
+    #[inline]
+    pub(super) fn hit_emitter<A: Accel>(&self, scene: &Scene<A>, id: u32, z: &Vertex, recorder: &mut Recorder) {
+        let (Some(choice), true) = (&scene.light_choice, self.settings.wants(0, z.number)) else { return };
+        let light = &scene.lights[id as usize];
+        let point = LightPoint::Surface(z.at);
+        if light.emitted(&point, z.wo) == Rgb::ZERO {
+            return;
+        }
+        recorder.add(0, z.number, self.evaluate_emitter(scene, light, &point, z, choice.pmf(id).0));
+    }
+
+    /// The weighted contribution of the light that the camera subpath hit at `z`.
+    #[inline]
+    pub(super) fn evaluate_emitter<A: Accel>(
+        &self,
+        scene: &Scene<A>,
+        light: &Light,
+        point: &LightPoint,
+        z: &Vertex,
+        pmf: f32,
+    ) -> Rgb {
+        let w = self.mis.weight(self.emitter_alternatives(scene, light, point, z, pmf));
+        z.beta * light.emitted(point, z.wo) * w as f32
+    }
+
+    /// Σ_{j>0} h(n_j p_j)/h(p_0) for a path whose emitter the camera subpath hit at `z`.
+    #[inline]
+    fn emitter_alternatives<A: Accel>(
+        &self,
+        scene: &Scene<A>,
+        light: &Light,
+        point: &LightPoint,
+        z: &Vertex,
+        pmf: f32,
+    ) -> f64 {
+        let emission = light.pdf_emission_position(&scene.geometry, point).0 * f64::from(pmf);
+        if z.number == 2 {
+            // Seen directly: the one alternative, (1,1), starts as light subpaths do.
+            return self.mis.light_paths * self.mis.h(emission) * z.partial.direct;
+        }
+        let direct = light.pdf_direct(&scene.geometry, point).0 * f64::from(pmf);
+        let direction = f64::from(light.pdf_emission_direction(point, z.wo).0);
+        self.mis.next_event * self.mis.h(direct) * z.partial.direct
+            + self.mis.h(emission) * self.mis.h(direction) * z.partial.earlier
+    }
+
+    /// s = 1: next-event estimation at camera vertex `z`, the sampler standing at the light's dimensions.
+    #[inline]
+    pub(super) fn connect_to_light<A: Accel>(
+        &self,
+        scene: &Scene<A>,
+        z: &Vertex,
+        sampler: &mut Sampler,
+        block: u32,
+        recorder: &mut Recorder,
+    ) {
+        let (Some(choice), true) = (&scene.light_choice, self.settings.wants(1, z.number)) else { return };
+        let (id, pmf) = choice.sample(sampler.next_1d());
+        let light = &scene.lights[id as usize];
+        let part = if light.has_parts() { sampler.next_1d() } else { 0.0 };
+        sampler.set_dimension(block + dimensions::LIGHT_POINT);
+        let Some(y) = light.sample_direct(&scene.geometry, part, sampler.next_2d()) else { return };
+        let pdf_direct = (y.pdf * pmf).0;
+        let Some(value) = self.evaluate_next_event(scene, light, &y.point, pdf_direct, pmf.0, z) else { return };
+        let wi = y.point.p() - z.at.p();
+        recorder.rays.shadow += 1;
+        if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.point.origin(-wi))) {
+            recorder.add(1, z.number, value);
+        }
+    }
+
+    /// The weighted contribution of a next-event sample, visibility left out; `None` where it is zero.
+    #[inline]
+    pub(super) fn evaluate_next_event<A: Accel>(
+        &self,
+        scene: &Scene<A>,
+        light: &Light,
+        y: &LightPoint,
+        pdf_direct: f64,
+        pmf: f32,
+        z: &Vertex,
+    ) -> Option<Rgb> {
+        let wi = (y.p() - z.at.p()).normalize();
+        let le = light.emitted(y, -wi);
+        if le == Rgb::ZERO {
+            return None;
+        }
+        let value = z.bsdf.eval(&z.at, z.wo, wi, Transport::Radiance)?;
+        let d2 = distance_squared(y.p(), z.at.p());
+        let cos_light = f64::from(y.cos(-wi).abs());
+        let cos_z = f64::from(wi.dot(z.at.ng).abs());
+        let mis = &self.mis;
+        // j = 0: the camera subpath goes on and hits the light. h(1/d²) is left out throughout.
+        let hit = if light.is_delta() { 0.0 } else { mis.h(f64::from(value.pdf_fwd.0) * cos_light / pdf_direct) };
+        // j ≥ 2: the light subpath starts here and goes on.
+        let emission = light.pdf_emission_position(&scene.geometry, y).0 * f64::from(pmf);
+        let direction = f64::from(light.pdf_emission_direction(y, -wi).0);
+        let behind = mis.behind(&z.partial, self.count_behind_camera(z.number), f64::from(value.pdf_rev.0));
+        let started = mis.h(emission / pdf_direct * direction * cos_z) * behind;
+        let scale = cos_light / pdf_direct * mis.weight_over_d2((hit + started) / mis.next_event, d2);
+        Some(z.beta * value.f * le * scale as f32)
+    }
+
+    /// s ≥ 2, t ≥ 2: camera vertex `z` with every kept vertex of the light subpaths it connects to.
+    #[inline]
+    pub(super) fn connect_to_subpaths<A: Accel>(&self, scene: &Scene<A>, z: &Vertex, recorder: &mut Recorder) {
+        for y in &self.light_vertices[..self.connectible_end] {
+            // s + t − 2 scattering events.
+            if y.number + z.number > self.settings.max_bounces + 2 || !self.settings.wants(y.number, z.number) {
+                continue;
+            }
+            let Some(value) = self.evaluate_connection(y, z) else { continue };
+            let wi = y.at.p() - z.at.p();
+            recorder.rays.connection += 1;
+            if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.at.origin(-wi))) {
+                recorder.add(y.number, z.number, value);
+            }
+        }
+    }
+
+    /// The weighted contribution of a connection, visibility left out; `None` where it is zero.
+    #[inline]
+    pub(super) fn evaluate_connection(&self, y: &Vertex, z: &Vertex) -> Option<Rgb> {
+        let wi = (y.at.p() - z.at.p()).normalize();
+        let at_z = z.bsdf.eval(&z.at, z.wo, wi, Transport::Radiance)?;
+        let at_y = y.bsdf.eval(&y.at, y.wo, -wi, Transport::Importance)?;
+        let d2 = distance_squared(y.at.p(), z.at.p());
+        let (cos_y, cos_z) = (f64::from(wi.dot(y.at.ng).abs()), f64::from(wi.dot(z.at.ng).abs()));
+        let mis = &self.mis;
+        // Technique s−1 would find y from z, technique s+1 z from y; h(1/d²) is left out of both.
+        let light_side = mis.h(f64::from(at_z.pdf_fwd.0) * cos_y)
+            * mis.behind(&y.partial, self.count_behind_light(y.number), f64::from(at_y.pdf_rev.0));
+        let camera_side = mis.h(f64::from(at_y.pdf_fwd.0) * cos_z)
+            * mis.behind(&z.partial, self.count_behind_camera(z.number), f64::from(at_z.pdf_rev.0));
+        let others = (light_side + camera_side) / mis.connections;
+        let scale = mis.weight_over_d2(others, d2) / f64::from(self.connections);
+        Some(z.beta * at_z.f * at_y.f * y.beta * scale as f32)
+    }
+
+    /// t = 1, s ≥ 2: light vertex `y` seen by the camera.
+    #[inline]
+    pub(super) fn connect_to_camera<A: Accel>(&self, scene: &Scene<A>, y: &Vertex, recorder: &mut Recorder) {
+        if !self.settings.wants(y.number, 1) {
+            return;
+        }
+        let Some((lens, value)) = self.evaluate_lens(scene, y) else { return };
+        recorder.rays.lens += 1;
+        if !scene.accel.occluded(&Ray::segment(y.at.origin(lens.wi), scene.camera.position())) {
+            recorder.splat(y.number, 1, lens.pixel, value);
+        }
+    }
+
+    /// The weighted contribution of light vertex `y` to the pixel it is seen through, visibility left out.
+    #[inline]
+    pub(super) fn evaluate_lens<A: Accel>(&self, scene: &Scene<A>, y: &Vertex) -> Option<(CameraSample, Rgb)> {
+        let lens = scene.camera.sample_lens(y.at.p())?;
+        let value = y.bsdf.eval(&y.at, y.wo, lens.wi, Transport::Importance)?;
+        let d2 = distance_squared(y.at.p(), scene.camera.position());
+        let pdf_lens = f64::from(lens.pdf.0);
+        let cos = f64::from(lens.wi.dot(y.at.ng).abs());
+        let behind = self.mis.behind(&y.partial, self.count_behind_light(y.number), f64::from(value.pdf_rev.0));
+        let others = self.mis.h(pdf_lens * cos) * behind / self.mis.light_paths;
+        // F holds the cosine at y, and We·cosθ is the camera's density.
+        let scale = pdf_lens * self.mis.weight_over_d2(others, d2) / self.light_paths_per_pass;
+        Some((lens, y.beta * value.f * scale as f32))
+    }
+
+    /// s = 1, t = 1: a point on an area light, seen by the camera.
+    #[inline]
+    pub(super) fn connect_light_to_camera<A: Accel>(
+        &self,
+        scene: &Scene<A>,
+        light: &Light,
+        y: &LightPoint,
+        pdf_position: f64,
+        recorder: &mut Recorder,
+    ) {
+        if !self.settings.wants(1, 1) {
+            return;
+        }
+        let Some((lens, value)) = self.evaluate_light_in_lens(scene, light, y, pdf_position) else { return };
+        recorder.rays.lens += 1;
+        if !scene.accel.occluded(&Ray::segment(y.origin(lens.wi), scene.camera.position())) {
+            recorder.splat(1, 1, lens.pixel, value);
+        }
+    }
+
+    /// The weighted contribution of a point on a light to the pixel it is seen through, visibility left out.
+    #[inline]
+    pub(super) fn evaluate_light_in_lens<A: Accel>(
+        &self,
+        scene: &Scene<A>,
+        light: &Light,
+        y: &LightPoint,
+        pdf_position: f64,
+    ) -> Option<(CameraSample, Rgb)> {
+        let lens = scene.camera.sample_lens(y.p())?;
+        let le = light.emitted(y, lens.wi);
+        if le == Rgb::ZERO {
+            return None;
+        }
+        let d2 = distance_squared(y.p(), scene.camera.position());
+        let seen = f64::from(lens.pdf.0) * f64::from(y.cos(lens.wi).abs()) / pdf_position;
+        // The one alternative is the camera ray that hits the light.
+        let others = self.mis.h(seen) / self.mis.light_paths;
+        let scale = seen * self.mis.weight_over_d2(others, d2) / self.light_paths_per_pass;
+        Some((lens, le * scale as f32))
+    }
+}

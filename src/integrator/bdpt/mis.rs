@@ -1,0 +1,156 @@
+//! Multiple importance sampling in constant time per vertex: the recursive partial sums of `docs/MIS.md`.
+//!
+//! A full path x₀ … x_k (x₀ on the light) can be made by technique j, with j light vertices, with area-product
+//! density p_j. Its weight is `w_s = 1 / Σ_j h(n_j p_j) / h(n_s p_s)` with `h(x) = x^β` (β = 2, 1) or the indicator
+//! of `x > 0` (uniform), and n_j the number of samples technique j takes. The sum splits at the connection into a
+//! part over the light subpath (j < s) and one over the camera subpath (j > s), each carried along as two numbers.
+//!
+//! At a vertex i of a subpath, with p_i its density per area from its own side, g_{i−1} = cosθ_{i−1}/d² and q the
+//! density per solid angle with which the *other* side would find vertex i−1 from i:
+//!
+//! ```text
+//! direct_i  = δ_i h(1/p_i)                                                        (technique i itself)
+//! earlier_i = h(g_{i−1}/p_i) · (h(n_{i−1}) direct_{i−1} + earlier_{i−1} h(q_{i−1}))   (all before it)
+//! ```
+//!
+//! and what a technique needs of the subpath that ends in i is `h(p←_i) (h(n_i) direct_i + earlier_i h(q_i))`.
+//! δ_i is 1 when both ends of the edge i−1, i can be connected to. In `g/p` the d² cancel and are never formed.
+
+use crate::scene::desc::Heuristic;
+
+/// Sums stay below this, so that a product with a zero density is zero and not NaN.
+const SATURATION: f64 = 1e280;
+
+/// The heuristic with the sample counts it is given.
+#[derive(Clone, Copy, Debug)]
+pub struct Mis {
+    heuristic: Heuristic,
+    weighted: bool,
+    /// `h` of the number of next-event samples (s = 1).
+    pub next_event: f64,
+    /// `h` of the number of light subpaths a camera vertex connects to (s ≥ 2, t ≥ 2).
+    pub connections: f64,
+    /// `h` of the number of light subpaths that may land on the pixel (t = 1).
+    pub light_paths: f64,
+}
+
+/// What a subpath carries for the weights of the techniques that share its path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Partial {
+    /// `direct_i`, the sample count left out.
+    pub direct: f64,
+    /// `earlier_i`.
+    pub earlier: f64,
+}
+
+/// A vertex that scatters, as the edge that leaves it sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Departure {
+    /// The vertex's own partial sums.
+    pub partial: Partial,
+    /// `h` of the number of samples of the technique that `partial.direct` stands for.
+    pub count: f64,
+    /// |cosine| between its geometric normal and the edge.
+    pub cos: f64,
+    /// Density per solid angle of the edge's direction.
+    pub pdf_fwd: f64,
+    /// Density per solid angle of going back where it came from.
+    pub pdf_rev: f64,
+    /// Whether a delta lobe was sampled.
+    pub delta: bool,
+}
+
+impl Mis {
+    /// For the given heuristic and sample counts.
+    pub fn new(heuristic: Heuristic, weighted: bool, connections: f64, light_paths: f64) -> Self {
+        let mut mis = Self { heuristic, weighted, next_event: 0.0, connections: 0.0, light_paths: 0.0 };
+        mis.next_event = mis.h(1.0);
+        mis.connections = mis.h(connections);
+        mis.light_paths = mis.h(light_paths);
+        mis
+    }
+
+    /// What the heuristic makes of a density, or of a product of densities and counts.
+    #[inline(always)]
+    pub fn h(&self, x: f64) -> f64 {
+        match self.heuristic {
+            Heuristic::Power => x * x,
+            Heuristic::Balance => x,
+            Heuristic::Uniform => f64::from(u8::from(x > 0.0)),
+        }
+    }
+
+    /// The sums at a vertex reached by a scattered edge with distance² `d2` and |cosine| `cos` at its end.
+    /// `connectible` is false across an index-matched window.
+    #[inline(always)]
+    pub fn arrive(&self, from: &Departure, d2: f64, cos: f64, connectible: bool) -> Partial {
+        let p_over_d2 = from.pdf_fwd * cos;
+        let earlier = if from.delta {
+            // Neither of the edges at a delta vertex can be a connection: only what came before remains.
+            self.h(from.cos * from.pdf_rev / p_over_d2) * from.partial.earlier
+        } else {
+            let inner = from.count * from.partial.direct + from.partial.earlier * self.h(from.pdf_rev);
+            self.h(from.cos / p_over_d2) * inner.min(SATURATION)
+        };
+        let direct = if from.delta || !connectible { 0.0 } else { self.h(d2 / p_over_d2) };
+        Partial { direct: direct.min(SATURATION), earlier: earlier.min(SATURATION) }
+    }
+
+    /// The sums at the first surface a light reaches. `ratio` is p_direct/p_emit of the light vertex (area measure);
+    /// `cos_light`, zero for a delta light, belongs to technique 0, hitting the light by chance.
+    #[inline(always)]
+    pub fn arrive_from_light(&self, start: &LightStart, d2: f64, cos: f64, connectible: bool) -> Partial {
+        let p_over_d2 = start.pdf_direction * cos;
+        let direct = if connectible { self.h(start.direct_over_emission * d2 / p_over_d2) } else { 0.0 };
+        let earlier = self.h(start.cos / (start.pdf_position * p_over_d2));
+        Partial { direct: direct.min(SATURATION), earlier: earlier.min(SATURATION) }
+    }
+
+    /// The sums at the first surface the camera sees, reached with the density `pdf_direction`.
+    #[inline(always)]
+    pub fn arrive_from_camera(&self, pdf_direction: f64, d2: f64, cos: f64, connectible: bool) -> Partial {
+        let direct = if connectible { self.h(d2 / (pdf_direction * cos)) } else { 0.0 };
+        Partial { direct: direct.min(SATURATION), earlier: 0.0 }
+    }
+
+    /// What the subpath that ends at a vertex adds, but for the factor `h` of the vertex's density from the other
+    /// side: `h(n) direct + earlier h(q)`.
+    #[inline(always)]
+    pub fn behind(&self, partial: &Partial, count: f64, pdf_rev: f64) -> f64 {
+        (count * partial.direct + partial.earlier * self.h(pdf_rev)).min(SATURATION)
+    }
+
+    /// The weight of a technique whose alternatives sum to `others` (relative to its own `h(n p)`).
+    #[inline(always)]
+    pub fn weight(&self, others: f64) -> f64 {
+        if self.weighted { 1.0 / (1.0 + others) } else { 1.0 }
+    }
+
+    /// `w/d²` for a connection over distance² `d2` whose alternatives sum to `others · h(1/d²)`. For the power
+    /// heuristic that is `d²/(d⁴ + others)`: where another technique can make the path, 1/d² is never formed, and
+    /// the product stays finite as the distance shrinks.
+    #[inline(always)]
+    pub fn weight_over_d2(&self, others: f64, d2: f64) -> f64 {
+        if !self.weighted {
+            return 1.0 / d2;
+        }
+        match self.heuristic {
+            Heuristic::Power => d2 / (d2 * d2 + others),
+            Heuristic::Balance => 1.0 / (d2 + others),
+            Heuristic::Uniform => 1.0 / (d2 * (1.0 + others)),
+        }
+    }
+}
+
+/// The start of a light subpath, as its first edge sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct LightStart {
+    /// Density of the point, the choice of the light included.
+    pub pdf_position: f64,
+    /// Density per solid angle of the first direction.
+    pub pdf_direction: f64,
+    /// Density of the point by next-event estimation over that by emission.
+    pub direct_over_emission: f64,
+    /// |cosine| at an area light, 0 at a delta light: nothing hits it by chance.
+    pub cos: f64,
+}

@@ -1,0 +1,529 @@
+//! The slow, obvious judge of the weights: every technique's density of a stored path, multiplied out in f64.
+//!
+//! Real subpaths are walked through real scenes and joined into full paths. For each path and *every* technique that
+//! could make it, the production code's contribution and weight are evaluated at the same vertices, and
+//!
+//! - the weights must be those of the densities multiplied out, and sum to one (TESTING B7);
+//! - contribution × density × count must be the same number for every technique (TESTING B6): nothing random is
+//!   left in it, so that a cosine, an η² or an adjoint factor in the wrong place cannot hide behind noise.
+
+use rayon::prelude::*;
+
+use super::mis::{Departure, LightStart, Mis, Partial};
+use super::{Bdpt, Vertex};
+use crate::accel::bvh::BvhAccel;
+use crate::bsdf::{Bsdf, Transport};
+use crate::geometry::SurfacePoint;
+use crate::integrator::{Crop, Settings};
+use crate::light::LightPoint;
+use crate::math::{Ray, Rgb, Vec3, distance_squared};
+use crate::sampling::{Sampler, SamplerKind, Stream};
+use crate::scene::desc::Heuristic;
+use crate::scene::{Scene, prepare};
+
+/// A vertex between the light and the camera.
+#[derive(Clone, Copy, Debug)]
+struct Inner {
+    at: SurfacePoint,
+    bsdf: Bsdf,
+    /// The light it is, if it shines.
+    light: Option<u32>,
+    /// Whether the walk came to it through a window.
+    through_window: bool,
+}
+
+/// A full path: light vertex, inner vertices from light to camera, camera.
+#[derive(Clone, Debug)]
+struct FullPath {
+    light: u32,
+    start: LightPoint,
+    inner: Vec<Inner>,
+    /// `windows[i]`: a window lies between vertex i and vertex i + 1.
+    windows: Vec<bool>,
+}
+
+/// What one direction of travel makes of a scattering vertex.
+#[derive(Clone, Copy, Debug)]
+struct Scatter {
+    weight: Rgb,
+    pdf_fwd: f64,
+    pdf_rev: f64,
+    cos_out: f64,
+    delta: bool,
+}
+
+/// The BSDF between given directions: evaluated, or for delta lobes sampled anew.
+fn scatter(v: &Inner, to_previous: Vec3, to_next: Vec3, transport: Transport) -> Option<Scatter> {
+    let cos_out = f64::from(to_next.dot(v.at.ng).abs());
+    if v.bsdf.is_connectible() {
+        let value = v.bsdf.eval(&v.at, to_previous, to_next, transport)?;
+        let pdf_fwd = f64::from(value.pdf_fwd.0);
+        return Some(Scatter {
+            weight: value.f / value.pdf_fwd.0,
+            pdf_fwd,
+            pdf_rev: f64::from(value.pdf_rev.0),
+            cos_out,
+            delta: false,
+        });
+    }
+    let lobe = if to_previous.dot(v.at.ng) * to_next.dot(v.at.ng) > 0.0 { 0.0 } else { 1.0 - 0.5 * f32::EPSILON };
+    let s = v.bsdf.sample(&v.at, to_previous, lobe, [0.5, 0.5], transport)?;
+    (s.wi.dot(to_next) > 1.0 - 1e-5).then_some(Scatter {
+        weight: s.weight,
+        pdf_fwd: f64::from(s.pdf_fwd.0),
+        pdf_rev: f64::from(s.pdf_rev.0),
+        cos_out,
+        delta: true,
+    })
+}
+
+/// Walks on from a ray, keeping every vertex.
+fn walk(
+    scene: &Scene<BvhAccel>,
+    mut ray: Ray,
+    transport: Transport,
+    sampler: &mut Sampler,
+    longest: usize,
+) -> Vec<Inner> {
+    let mut out = Vec::new();
+    while out.len() < longest {
+        let Some(arrival) = scene.arrive(ray, &mut 0) else { break };
+        let v = Inner {
+            at: arrival.at,
+            bsdf: arrival.surface.bsdf,
+            light: arrival.surface.light,
+            through_window: arrival.through_window,
+        };
+        out.push(v);
+        let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
+        let Some(s) = v.bsdf.sample(&v.at, -ray.d, lobe, u, transport) else { break };
+        ray = Ray::new(v.at.origin(s.wi), s.wi);
+    }
+    out
+}
+
+/// Everything about one path that both the oracle and the production code are asked about.
+struct Judge<'a> {
+    scene: &'a Scene<BvhAccel>,
+    weighted: &'a Bdpt,
+    plain: &'a Bdpt,
+    heuristic: Heuristic,
+    connections: f64,
+    light_paths: f64,
+}
+
+/// One technique's verdict on a path.
+#[derive(Clone, Copy, Debug)]
+struct Verdict {
+    #[allow(dead_code)] // read by the failure message
+    s: usize,
+    /// The production code's weight and the oracle's.
+    weight: f64,
+    oracle: f64,
+    /// Contribution × density × count.
+    measurement: f64,
+}
+
+impl Judge<'_> {
+    /// `None` when the path carries nothing or leaves the view.
+    fn judge(&self, path: &FullPath) -> Option<Vec<Verdict>> {
+        let scene = self.scene;
+        let k = path.inner.len() + 1; // the camera's index
+        let light = &scene.lights[path.light as usize];
+        let pmf = scene.light_choice.as_ref()?.pmf(path.light).0;
+        let camera = scene.camera.position();
+        let p = |i: usize| match i {
+            0 => path.start.p(),
+            i if i == k => camera,
+            i => path.inner[i - 1].at.p(),
+        };
+        let dir = |i: usize, j: usize| (p(j) - p(i)).normalize();
+        let d2 = |i: usize| distance_squared(p(i), p(i + 1)); // edge i, i+1
+        let cos_in = |i: usize, from: usize| match i {
+            0 => f64::from(path.start.cos(dir(0, from)).abs()),
+            i => f64::from(path.inner[i - 1].at.ng.dot(dir(i, from)).abs()),
+        };
+        let le = light.emitted(&path.start, dir(0, 1));
+        if le == Rgb::ZERO {
+            return None;
+        }
+        let lens = scene.camera.sample_lens(p(k - 1))?;
+        // Joined points of one plane see each other edge-on; visibility, left out here, excludes them.
+        if (0..k).any(|i| (i > 0 && cos_in(i, i - 1) < 1e-6) || cos_in(i, i + 1) < 1e-6) {
+            return None;
+        }
+        let geometry = &scene.geometry;
+        let emission = (light.pdf_emission_position(geometry, &path.start).0) * f64::from(pmf);
+        let direct = (light.pdf_direct(geometry, &path.start).0) * f64::from(pmf);
+        let direction = f64::from(light.pdf_emission_direction(&path.start, dir(0, 1)).0);
+
+        // Scattering in both directions of travel; index 0 unused.
+        let mut from_light: Vec<Option<Scatter>> = vec![None];
+        let mut from_camera: Vec<Option<Scatter>> = vec![None];
+        for i in 1..k {
+            let v = &path.inner[i - 1];
+            let (back, forth) = (dir(i, i - 1), dir(i, i + 1));
+            let outwards = scatter(v, back, forth, Transport::Importance)?;
+            let mut inwards = scatter(v, forth, back, Transport::Radiance)?;
+            if v.bsdf.is_connectible() {
+                assert_eq!((outwards.pdf_fwd, outwards.pdf_rev), (inwards.pdf_rev, inwards.pdf_fwd));
+            } else {
+                // Both walks must give the lobe the same ratio of densities. Sampled anew, each follows Snell's law
+                // from its own rounding, which grazing refraction magnifies: one of the two serves as the stored one.
+                let ratio = outwards.pdf_rev * inwards.pdf_rev / (outwards.pdf_fwd * inwards.pdf_fwd);
+                assert!((ratio - 1.0).abs() < 2e-2, "densities of a delta lobe: {outwards:?} {inwards:?}");
+                (inwards.pdf_fwd, inwards.pdf_rev) = (outwards.pdf_rev, outwards.pdf_fwd);
+            }
+            from_light.push(Some(outwards));
+            from_camera.push(Some(inwards));
+        }
+        let fl = |i: usize| from_light[i].expect("filled above");
+        let fc = |i: usize| from_camera[i].expect("filled above");
+
+        // Densities per area of vertex i from either side, multiplied out in f64. At a delta vertex both are counted
+        // in the light walk's units, as `BsdfSample::pdf_rev` says.
+        let forward = |i: usize| {
+            let w = if i == 1 { direction } else { fl(i - 1).pdf_fwd };
+            w * cos_in(i, i - 1) / d2(i - 1)
+        };
+        let backward = |i: usize| {
+            let w = if i == k - 1 { f64::from(lens.pdf.0) } else { fc(i + 1).pdf_fwd };
+            w * cos_in(i, i + 1) / d2(i)
+        };
+        let density = |s: usize| {
+            let mut product = 1.0;
+            for i in 0..k {
+                product *= match i {
+                    0 if s == 0 => backward(0),
+                    0 if s == 1 && k > 1 => direct,
+                    0 => emission,
+                    i if i < s => forward(i),
+                    i => backward(i),
+                };
+            }
+            product
+        };
+        let connectible = |i: usize| i == 0 || i == k || path.inner[i - 1].bsdf.is_connectible();
+        let feasible = |s: usize| match s {
+            0 => !light.is_delta(),
+            s if s == k && k == 1 => !light.is_delta() && !path.windows[0],
+            s => connectible(s - 1) && connectible(s) && !path.windows[s - 1],
+        };
+        let count = |s: usize| match s {
+            s if s == k => self.light_paths,
+            0 | 1 => 1.0,
+            _ => self.connections,
+        };
+        let terms: Vec<f64> = (0..=k)
+            .map(|s| {
+                let x = if feasible(s) { density(s) * count(s) } else { 0.0 };
+                match self.heuristic {
+                    Heuristic::Power => x * x,
+                    Heuristic::Balance => x,
+                    Heuristic::Uniform => f64::from(u8::from(x > 0.0)),
+                }
+            })
+            .collect();
+        let total: f64 = terms.iter().sum();
+
+        // The production recursion along the same vertices.
+        let (light_side, camera_side) = self.subpaths(path, k, le, emission, direct, direction, &lens.pdf.0, &fl, &fc);
+        let mut verdicts = Vec::new();
+        for s in (0..=k).filter(|&s| feasible(s)) {
+            let value = |b: &Bdpt| -> Option<Rgb> {
+                match s {
+                    0 => {
+                        let z = camera_side(0);
+                        Some(b.evaluate_emitter(scene, light, &path.start, &z, pmf))
+                    }
+                    s if s == k && k == 1 => b.evaluate_light_in_lens(scene, light, &path.start, emission).map(|x| x.1),
+                    s if s == k => b.evaluate_lens(scene, &light_side(k - 1)).map(|x| x.1),
+                    1 => b.evaluate_next_event(scene, light, &path.start, direct, pmf, &camera_side(1)),
+                    s => b.evaluate_connection(&light_side(s - 1), &camera_side(s)),
+                }
+            };
+            let (with, without) = (value(self.weighted)?, value(self.plain)?);
+            let (with, without) = (f64::from(with.max_element()), f64::from(without.max_element()));
+            let oracle = terms[s] / total;
+            verdicts.push(Verdict {
+                s,
+                weight: with / without,
+                oracle,
+                measurement: without * density(s) * count(s),
+            });
+        }
+        Some(verdicts)
+    }
+
+    /// The vertices of either side with throughput and partial sums, by the production recursion.
+    #[allow(clippy::too_many_arguments, clippy::type_complexity)] // one caller; a struct would only rename them
+    fn subpaths<'p>(
+        &'p self,
+        path: &'p FullPath,
+        k: usize,
+        le: Rgb,
+        emission: f64,
+        direct: f64,
+        direction: f64,
+        lens_pdf: &f32,
+        fl: &dyn Fn(usize) -> Scatter,
+        fc: &dyn Fn(usize) -> Scatter,
+    ) -> (impl Fn(usize) -> Vertex + 'p, impl Fn(usize) -> Vertex + 'p) {
+        let mis: Mis = self.weighted.mis;
+        let light = &self.scene.lights[path.light as usize];
+        let camera = self.scene.camera.position();
+        let p = |i: usize| match i {
+            0 => path.start.p(),
+            i if i == k => camera,
+            i => path.inner[i - 1].at.p(),
+        };
+        let dir = |i: usize, j: usize| (p(j) - p(i)).normalize();
+        let cos0 = f64::from(path.start.cos(dir(0, 1)).abs());
+
+        let mut lights: Vec<Vertex> = Vec::new();
+        let mut beta = le * (cos0 / (emission * direction)) as f32;
+        let mut departure: Option<Departure> = None;
+        for i in 1..k {
+            let v = &path.inner[i - 1];
+            let wo = dir(i, i - 1);
+            let cos = f64::from(wo.dot(v.at.ng).abs());
+            let d2 = distance_squared(p(i), p(i - 1));
+            let open = !path.windows[i - 1];
+            let partial = match &departure {
+                None => {
+                    let start = LightStart {
+                        pdf_position: emission,
+                        pdf_direction: direction,
+                        direct_over_emission: direct / emission,
+                        cos: if light.is_delta() { 0.0 } else { cos0 },
+                    };
+                    mis.arrive_from_light(&start, d2, cos, open)
+                }
+                Some(d) => mis.arrive(d, d2, cos, open),
+            };
+            lights.push(Vertex { at: v.at, wo, bsdf: v.bsdf, beta, partial, number: i as u32 + 1 });
+            let s = fl(i);
+            beta *= s.weight;
+            let count = if i == 1 { mis.next_event } else { mis.connections };
+            let Scatter { pdf_fwd, pdf_rev, cos_out, delta, .. } = s;
+            departure = Some(Departure { partial, count, cos: cos_out, pdf_fwd, pdf_rev, delta });
+        }
+
+        // Camera side, down to vertex 0 when the light is a surface.
+        let mut cameras: Vec<Option<Vertex>> = vec![None; k + 1];
+        let mut beta = Rgb::ONE;
+        let mut departure: Option<Departure> = None;
+        for i in (0..k).rev() {
+            let (at, bsdf) = match (i, &path.start) {
+                (0, LightPoint::Surface(at)) => (*at, Bsdf::Black),
+                (0, LightPoint::Delta(_)) => break,
+                (i, _) => (path.inner[i - 1].at, path.inner[i - 1].bsdf),
+            };
+            let wo = dir(i, i + 1);
+            let cos = f64::from(wo.dot(at.ng).abs());
+            let d2 = distance_squared(p(i), p(i + 1));
+            let open = !path.windows[i];
+            let partial: Partial = match &departure {
+                None => mis.arrive_from_camera(f64::from(*lens_pdf), d2, cos, open),
+                Some(d) => mis.arrive(d, d2, cos, open),
+            };
+            let number = (k - i) as u32 + 1;
+            cameras[i] = Some(Vertex { at, wo, bsdf, beta, partial, number });
+            if i == 0 {
+                break;
+            }
+            let s = fc(i);
+            beta *= s.weight;
+            let count = if number == 2 { mis.light_paths } else { mis.connections };
+            let Scatter { pdf_fwd, pdf_rev, cos_out, delta, .. } = s;
+            departure = Some(Departure { partial, count, cos: cos_out, pdf_fwd, pdf_rev, delta });
+        }
+        (move |i: usize| lights[i - 1], move |i: usize| cameras[i].expect("asked for a vertex that exists"))
+    }
+}
+
+/// A box with an area light, a spot and a point light, a mirror, a glass sphere, a curved mesh and a window.
+const SCENE: &str = r#"{
+ "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], "vfov": 50},
+ "materials": [
+  {"name": "white", "type": "lambertian", "albedo": [0.8, 0.7, 0.6], "two_sided": true},
+  {"name": "glow", "type": "lambertian", "albedo": 0.4, "two_sided": true, "emit": [0.2, 0.1, 0.3]},
+  {"name": "glass", "type": "dielectric", "ior": 1.6},
+  {"name": "mirror", "type": "mirror", "albedo": 0.9},
+  {"name": "window", "type": "null"},
+  {"name": "lamp", "type": "diffuse light", "emit": [6, 5, 4]}
+ ],
+ "surfaces": [
+  {"type": "quad", "size": 4, "transform": {"translate": [0, 0, -1.5]}, "material": "white"},
+  {"type": "quad", "size": 4, "transform": [{"rotate": [-90, 1, 0, 0]}, {"translate": [0, -1.2, 0]}], "material": "glow"},
+  {"type": "quad", "size": 4, "transform": [{"rotate": [90, 1, 0, 0]}, {"translate": [0, 1.4, 0]}], "material": "white"},
+  {"type": "quad", "size": 4, "transform": [{"rotate": [90, 0, 1, 0]}, {"translate": [-1.6, 0, 0]}], "material": "mirror"},
+  {"type": "quad", "size": 4, "transform": [{"rotate": [-90, 0, 1, 0]}, {"translate": [1.6, 0, 0]}], "material": "white"},
+  {"type": "sphere", "radius": 0.5, "transform": {"translate": [0.5, -0.4, 0.3]}, "material": "glass"},
+  {"type": "quad", "size": 1.2, "transform": {"translate": [-0.6, 0.2, 0.4]}, "material": "window"},
+  {"type": "triangle", "positions": [[-1.2, -1, -0.8], [0, -0.8, -1], [-0.6, 0.4, -0.9]],
+   "normals": [[-0.4, 0, 1], [0.5, 0.1, 1], [0, 0.5, 1]], "material": "white"},
+  {"type": "disk", "radius": 0.4, "transform": [{"rotate": [90, 1, 0, 0]}, {"translate": [0.3, 1.3, 0.2]}], "material": "lamp"},
+  {"type": "sphere", "radius": 0.2, "transform": {"translate": [-0.9, 0.9, -0.6]}, "material": "lamp"}
+ ],
+ "lights": [
+  {"type": "point", "position": [0.9, 0.8, 0.7], "intensity": [2, 3, 4]},
+  {"type": "spot", "position": [-0.5, 1.1, 0.9], "at": [0, -1, 0], "intensity": 9, "inner_angle": 20, "outer_angle": 45}
+ ]
+}"#;
+
+fn scene() -> Scene<BvhAccel> {
+    let desc = crate::import::scene_from_str(SCENE, "oracle.json", std::path::Path::new(".")).expect("valid scene");
+    Scene::build(prepare(&desc).expect("preparable"), Default::default()).expect("buildable")
+}
+
+/// The vertices of a random light and a random camera subpath, joined at a random pair.
+fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
+    let mut u = Sampler::new(SamplerKind::Independent, 77, 0, Stream::Light(0), index);
+    let (light, _) = scene.light_choice.as_ref()?.sample(u.next_1d());
+    let emission =
+        scene.lights[light as usize].sample_emission(&scene.geometry, u.next_1d(), u.next_2d(), u.next_2d())?;
+    let ray = Ray::new(emission.point.origin(emission.w), emission.w);
+    let mut light_walk = walk(scene, ray, Transport::Importance, &mut u, 5);
+    let pixel = [(u.next_1d() * 32.0) as u32, (u.next_1d() * 24.0) as u32];
+    let ray = scene.camera.generate_ray(pixel, u.next_2d()).ray;
+    let mut camera_walk = walk(scene, ray, Transport::Radiance, &mut u, 5);
+    if camera_walk.is_empty() {
+        return None;
+    }
+    camera_walk.truncate(1 + (u.next_1d() * camera_walk.len() as f32) as usize);
+    // A third of the paths end on an emitter that the camera walk hit.
+    if u.next_1d() < 0.33 {
+        let hit = camera_walk.iter().position(|v| v.light.is_some())?;
+        camera_walk.truncate(hit + 1);
+        let end = camera_walk.pop()?;
+        let mut windows: Vec<bool> = vec![end.through_window];
+        windows.extend(camera_walk.iter().rev().map(|v| v.through_window));
+        let inner = camera_walk.into_iter().rev().collect();
+        return Some(FullPath { light: end.light?, start: LightPoint::Surface(end.at), inner, windows });
+    }
+    light_walk.truncate((u.next_1d() * (light_walk.len() + 1) as f32) as usize);
+    // The joined ends must be connectible, and are taken to see each other.
+    if light_walk.last().is_some_and(|v| !v.bsdf.is_connectible()) || !camera_walk.last()?.bsdf.is_connectible() {
+        return None;
+    }
+    let mut windows: Vec<bool> = light_walk.iter().map(|v| v.through_window).collect();
+    windows.push(false);
+    windows.extend(camera_walk.iter().rev().map(|v| v.through_window));
+    let inner = light_walk.into_iter().chain(camera_walk.into_iter().rev()).collect();
+    Some(FullPath { light, start: emission.point, inner, windows })
+}
+
+/// What was seen over many paths.
+#[derive(Clone, Debug, Default)]
+struct Seen {
+    paths: u64,
+    techniques: u64,
+    with_delta: u64,
+    /// Techniques whose identity is off by more than 1e-4 next to a delta vertex.
+    tail: u64,
+    worst_sum: f64,
+    worst_weight: f64,
+    worst_identity: f64,
+    failure: Option<String>,
+}
+
+impl Seen {
+    fn path(judge: &Judge<'_>, index: u32) -> Self {
+        let mut seen = Self::default();
+        let Some(path) = random_path(judge.scene, index) else { return seen };
+        let Some(verdicts) = judge.judge(&path) else { return seen };
+        if verdicts.is_empty() {
+            return seen;
+        }
+        let delta = path.inner.iter().any(|v| !v.bsdf.is_connectible());
+        seen.paths = 1;
+        seen.techniques = verdicts.len() as u64;
+        seen.with_delta = u64::from(delta);
+        let mut require = |holds: bool, what: &str| {
+            if !holds && seen.failure.is_none() {
+                seen.failure = Some(format!("{what}: {verdicts:?} on {path:?}"));
+            }
+        };
+        let oracle_sum: f64 = verdicts.iter().map(|v| v.oracle).sum();
+        require((oracle_sum - 1.0).abs() < 1e-9, "the oracle's weights do not sum to 1");
+        let sum: f64 = verdicts.iter().map(|v| v.weight).sum();
+        seen.worst_sum = (sum - 1.0).abs();
+        require(seen.worst_sum < 1e-4, "the weights do not sum to 1");
+        for v in &verdicts {
+            let off = (v.weight - v.oracle).abs() / (v.oracle + 1e-6);
+            seen.worst_weight = seen.worst_weight.max(off);
+            require(off < 1e-4, "a weight differs from the oracle's");
+            // A vertex next to a delta vertex is a rounding away from Snell's law, which grazing refraction
+            // magnifies; everywhere else the identity holds to rounding.
+            let spread = (v.measurement / verdicts[0].measurement - 1.0).abs();
+            if delta && spread >= 1e-4 {
+                seen.tail += 1;
+                require(spread < 2e-2, "techniques measure differently");
+            } else {
+                seen.worst_identity = seen.worst_identity.max(spread);
+                require(spread < 1e-4, "techniques measure differently");
+            }
+        }
+        seen
+    }
+
+    fn merge(self, o: Self) -> Self {
+        Self {
+            paths: self.paths + o.paths,
+            techniques: self.techniques + o.techniques,
+            with_delta: self.with_delta + o.with_delta,
+            tail: self.tail + o.tail,
+            worst_sum: self.worst_sum.max(o.worst_sum),
+            worst_weight: self.worst_weight.max(o.worst_weight),
+            worst_identity: self.worst_identity.max(o.worst_identity),
+            failure: self.failure.or(o.failure),
+        }
+    }
+}
+
+#[test]
+fn weights_partition_unity_and_every_technique_measures_the_same() {
+    let scene = scene();
+    let mut paths = 0;
+    for (heuristic, light_paths, connections, tries) in [
+        (Heuristic::Power, 1, 1, 2_000_000),
+        (Heuristic::Power, 3, 2, 500_000),
+        (Heuristic::Balance, 2, 1, 500_000),
+        (Heuristic::Uniform, 1, 1, 200_000),
+    ] {
+        let crop = Crop::full(scene.camera.resolution());
+        let settings = Settings { heuristic, light_paths, connections, ..Settings::default() };
+        let per_pass = f64::from(light_paths) * crop.pixels() as f64;
+        let weighted = Bdpt::new(&scene, settings, per_pass);
+        let plain = Bdpt::new(&scene, Settings { weighted: false, ..settings }, per_pass);
+        let judge = Judge {
+            scene: &scene,
+            weighted: &weighted,
+            plain: &plain,
+            heuristic,
+            connections: f64::from(connections),
+            light_paths: per_pass,
+        };
+        let seen =
+            (0..tries).into_par_iter().map(|i| Seen::path(&judge, i)).reduce(Seen::default, Seen::merge);
+        println!(
+            "{heuristic:?} {light_paths}/{connections}: {} paths ({} with delta vertices), {} techniques; worst Σw−1 \
+             {:.1e}, weight {:.1e}, identity {:.1e}; {} beyond 1e-4 next to delta vertices",
+            seen.paths,
+            seen.with_delta,
+            seen.techniques,
+            seen.worst_sum,
+            seen.worst_weight,
+            seen.worst_identity,
+            seen.tail
+        );
+        if let Some(failure) = seen.failure {
+            panic!("{failure}");
+        }
+        assert!(seen.with_delta > seen.paths / 20 && seen.techniques > 2 * seen.paths, "{seen:?}");
+        assert!(seen.tail * 1000 < seen.techniques, "{seen:?}");
+        paths += seen.paths;
+    }
+    assert!(paths >= 1_000_000, "only {paths} paths");
+}

@@ -1,0 +1,170 @@
+//! The two random walks.
+
+use super::mis::{Departure, LightStart};
+use super::{Bdpt, Vertex};
+use crate::accel::Accel;
+use crate::bsdf::{BsdfSample, Transport};
+use crate::integrator::light::dimensions as light_dimensions;
+use crate::integrator::path::dimensions as camera_dimensions;
+use crate::integrator::{Recorder, Roulette};
+use crate::math::{Ray, Rgb, distance_squared};
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+
+impl Bdpt {
+    /// Traces a light subpath, connects its vertices to the camera and keeps those that can be connected to.
+    pub(super) fn walk_light<A: Accel>(&mut self, scene: &Scene<A>, mut sampler: Sampler, recorder: &mut Recorder) {
+        let Some(choice) = &scene.light_choice else { return };
+        recorder.rays.light_paths += 1;
+        let (id, pmf) = choice.sample(sampler.next_1d());
+        let light = &scene.lights[id as usize];
+        sampler.set_dimension(light_dimensions::PART);
+        let part = if light.has_parts() { sampler.next_1d() } else { 0.0 };
+        sampler.set_dimension(light_dimensions::POINT);
+        let (u_point, u_direction) = (sampler.next_2d(), sampler.next_2d());
+        let Some(emission) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };
+        let pdf_position = (emission.pdf_position * pmf).0;
+        if !light.is_delta() {
+            self.connect_light_to_camera(scene, light, &emission.point, pdf_position, recorder);
+        }
+        if self.settings.max_bounces == 0 {
+            return;
+        }
+
+        let cos = f64::from(emission.point.cos(emission.w).abs());
+        let pdf_direction = f64::from(emission.pdf_direction.0);
+        let direct = (light.pdf_direct(&scene.geometry, &emission.point) * pmf).0;
+        let start = LightStart {
+            pdf_position,
+            pdf_direction,
+            direct_over_emission: direct / pdf_position,
+            cos: if light.is_delta() { 0.0 } else { cos },
+        };
+        let mut beta = emission.le * (cos / (pdf_position * pdf_direction)) as f32;
+        let mut roulette = Roulette::new(self.settings.roulette, beta);
+        let mut from = emission.point.p();
+        let mut ray = Ray::new(emission.point.origin(emission.w), emission.w);
+        let mut departure: Option<Departure> = None;
+        let mut number = 2;
+        while number - 1 <= self.settings.max_bounces {
+            let Some(arrival) = scene.arrive(ray, &mut recorder.rays.light) else { return };
+            let at = arrival.at;
+            let wo = -ray.d;
+            let cos_in = f64::from(wo.dot(at.ng).abs());
+            if cos_in == 0.0 || !arrival.surface.bsdf.scatters() {
+                return;
+            }
+            let d2 = distance_squared(from, at.p());
+            let partial = match &departure {
+                None => self.mis.arrive_from_light(&start, d2, cos_in, !arrival.through_window),
+                Some(departure) => self.mis.arrive(departure, d2, cos_in, !arrival.through_window),
+            };
+            let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };
+            if vertex.bsdf.is_connectible() {
+                self.connect_to_camera(scene, &vertex, recorder);
+                self.light_vertices.push(vertex);
+            }
+            let block = light_dimensions::START + (number - 2) * light_dimensions::BLOCK;
+            sampler.set_dimension(block);
+            let Some(next) = scatter(&vertex, Transport::Importance, &mut sampler) else { return };
+            sampler.set_dimension(block + light_dimensions::ROULETTE);
+            let Some(thinned) = thin(&vertex, &next, &mut roulette, &mut sampler) else { return };
+            beta = thinned;
+            // `direct` at vertex i stands for the technique with i light vertices.
+            let count = if number == 2 { self.mis.next_event } else { self.mis.connections };
+            departure = Some(depart(&vertex, &next, count));
+            from = at.p();
+            ray = Ray::new(at.origin(next.wi), next.wi);
+            number += 1;
+        }
+    }
+
+    /// Walks a camera subpath, connecting each of its vertices to the light.
+    pub(super) fn walk_camera<A: Accel>(
+        &mut self,
+        scene: &Scene<A>,
+        pixel: [u32; 2],
+        mut sampler: Sampler,
+        recorder: &mut Recorder,
+    ) {
+        recorder.rays.camera_paths += 1;
+        if !scene.needs.light {
+            return;
+        }
+        let primary = scene.camera.generate_ray(pixel, sampler.next_2d());
+        let mut ray = primary.ray;
+        let mut from = ray.o;
+        let mut beta = Rgb::ONE;
+        let mut roulette = Roulette::new(self.settings.roulette, beta);
+        let mut departure: Option<Departure> = None;
+        let mut number = 2;
+        loop {
+            let Some(arrival) = scene.arrive(ray, &mut recorder.rays.camera) else { return };
+            let at = arrival.at;
+            let wo = -ray.d;
+            let cos_in = f64::from(wo.dot(at.ng).abs());
+            if cos_in == 0.0 {
+                return;
+            }
+            let d2 = distance_squared(from, at.p());
+            let partial = match &departure {
+                None => self.mis.arrive_from_camera(f64::from(primary.pdf.0), d2, cos_in, !arrival.through_window),
+                Some(departure) => self.mis.arrive(departure, d2, cos_in, !arrival.through_window),
+            };
+            let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };
+            if let Some(id) = arrival.surface.light {
+                self.hit_emitter(scene, id, &vertex, recorder);
+            }
+            // Vertex `number` would scatter for the (number − 1)th time.
+            if number - 1 > self.settings.max_bounces || !vertex.bsdf.scatters() {
+                return;
+            }
+            let block = (number - 2) * camera_dimensions::BLOCK;
+            if vertex.bsdf.is_connectible() {
+                sampler.set_dimension(block + camera_dimensions::LIGHT_CHOICE);
+                self.connect_to_light(scene, &vertex, &mut sampler, block, recorder);
+                self.connect_to_subpaths(scene, &vertex, recorder);
+            }
+            sampler.set_dimension(block + camera_dimensions::DIRECTION);
+            let Some(next) = scatter(&vertex, Transport::Radiance, &mut sampler) else { return };
+            sampler.set_dimension(block + camera_dimensions::ROULETTE);
+            let Some(thinned) = thin(&vertex, &next, &mut roulette, &mut sampler) else { return };
+            beta = thinned;
+            // `direct` at camera vertex i stands for the technique with i − 1 camera vertices.
+            let count = if number == 2 { self.mis.light_paths } else { self.mis.connections };
+            departure = Some(depart(&vertex, &next, count));
+            from = at.p();
+            ray = Ray::new(at.origin(next.wi), next.wi);
+            number += 1;
+        }
+    }
+}
+
+/// Samples the BSDF from the sampler's current dimension on.
+#[inline]
+fn scatter(vertex: &Vertex, transport: Transport, sampler: &mut Sampler) -> Option<BsdfSample> {
+    let u = sampler.next_2d();
+    let lobe = sampler.next_1d();
+    vertex.bsdf.sample(&vertex.at, vertex.wo, lobe, u, transport)
+}
+
+/// The throughput after a scattering that roulette let live.
+#[inline]
+fn thin(vertex: &Vertex, next: &BsdfSample, roulette: &mut Roulette, sampler: &mut Sampler) -> Option<Rgb> {
+    let beta = vertex.beta * next.weight;
+    let q = roulette.survive(beta, next.eta_scale, || sampler.next_1d())?;
+    Some(beta / q)
+}
+
+/// The vertex as the edge that leaves it sees it.
+#[inline]
+fn depart(vertex: &Vertex, next: &BsdfSample, count: f64) -> Departure {
+    Departure {
+        partial: vertex.partial,
+        count,
+        cos: f64::from(next.wi.dot(vertex.at.ng).abs()),
+        pdf_fwd: f64::from(next.pdf_fwd.0),
+        pdf_rev: f64::from(next.pdf_rev.0),
+        delta: next.delta,
+    }
+}

@@ -1,0 +1,23 @@
+//! A scattering vertex of a subpath.
+
+use super::mis::Partial;
+use crate::bsdf::Bsdf;
+use crate::geometry::SurfacePoint;
+use crate::math::{Rgb, Vec3};
+
+/// A surface point that a subpath scatters at.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex {
+    /// Where.
+    pub at: SurfacePoint,
+    /// Unit direction to the previous vertex.
+    pub wo: Vec3,
+    /// How it scatters.
+    pub bsdf: Bsdf,
+    /// Throughput of the subpath up to here, this vertex's own scattering left out.
+    pub beta: Rgb,
+    /// Partial sums of the weights.
+    pub partial: Partial,
+    /// Number of vertices of the subpath up to here, this one included.
+    pub number: u32,
+}

@@ -1,0 +1,114 @@
+//! Light tracing: light subpaths, every vertex connected to the camera (techniques t = 1).
+
+use super::{PixelSample, Recorder, Roulette, Settings};
+use crate::accel::Accel;
+use crate::bsdf::Transport;
+use crate::math::{Ray, distance_squared};
+use crate::sampling::{Sampler, Stream};
+use crate::scene::Scene;
+
+/// Sampler dimensions of light subpaths: the start takes four, each bounce a block.
+pub(super) mod dimensions {
+    pub const PART: u32 = 1;
+    pub const POINT: u32 = 2;
+    pub const START: u32 = 4;
+    pub const BLOCK: u32 = 3;
+    pub const ROULETTE: u32 = 2;
+}
+
+/// The light paths that belong to one sample of a pixel; they may land on any pixel.
+pub(super) fn sample<A: Accel>(
+    scene: &Scene<A>,
+    settings: &Settings,
+    light_paths_per_pass: f64,
+    sample: PixelSample,
+    recorder: &mut Recorder,
+) {
+    recorder.begin(sample.pixel, sample.index);
+    for number in 0..settings.light_paths.max(1) {
+        trace(scene, settings, light_paths_per_pass, sample, number, recorder);
+    }
+}
+
+fn trace<A: Accel>(
+    scene: &Scene<A>,
+    settings: &Settings,
+    light_paths_per_pass: f64,
+    sample: PixelSample,
+    number: u32,
+    recorder: &mut Recorder,
+) {
+    let Some(choice) = &scene.light_choice else { return };
+    let [width, _] = scene.camera.resolution();
+    let pixel_key = sample.pixel[1].wrapping_mul(width).wrapping_add(sample.pixel[0]);
+    let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Light(number), sample.index);
+    recorder.rays.light_paths += 1;
+
+    let (id, pmf) = choice.sample(sampler.next_1d());
+    let light = &scene.lights[id as usize];
+    sampler.set_dimension(dimensions::PART);
+    let part = if light.has_parts() { sampler.next_1d() } else { 0.0 };
+    sampler.set_dimension(dimensions::POINT);
+    let (u_point, u_direction) = (sampler.next_2d(), sampler.next_2d());
+    let Some(start) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };
+    let pdf_position = (start.pdf_position * pmf).0;
+
+    // s = 1: the light itself, seen by the camera. A delta light has no area to be seen.
+    if settings.wants(1, 1) && !light.is_delta() {
+        let p = start.point.p();
+        if let Some(lens) = scene.camera.sample_lens(p) {
+            let le = light.emitted(&start.point, lens.wi);
+            if le.max_element() > 0.0 {
+                recorder.rays.lens += 1;
+                let shadow = Ray::segment(start.point.origin(lens.wi), scene.camera.position());
+                if !scene.accel.occluded(&shadow) {
+                    let d2 = distance_squared(p, scene.camera.position());
+                    let area = lens.pdf.to_area(start.point.cos(lens.wi), d2);
+                    let scale = area.0 / (pdf_position * light_paths_per_pass);
+                    recorder.splat(1, 1, lens.pixel, le * scale as f32);
+                }
+            }
+        }
+    }
+
+    let cos = f64::from(start.point.cos(start.w).abs());
+    let mut beta = start.le * (cos / (pdf_position * f64::from(start.pdf_direction.0))) as f32;
+    let mut roulette = Roulette::new(settings.roulette, beta);
+    let mut ray = Ray::new(start.point.origin(start.w), start.w);
+    // Light vertices including the one being arrived at; s − 1 of them scatter when the camera is connected.
+    let mut s = 2;
+    while s - 1 <= settings.max_bounces {
+        let Some(arrival) = scene.arrive(ray, &mut recorder.rays.light) else { return };
+        let at = &arrival.at;
+        let bsdf = &arrival.surface.bsdf;
+        let wo = -ray.d;
+        if bsdf.is_connectible() && settings.wants(s, 1) {
+            if let Some(lens) = scene.camera.sample_lens(at.p()) {
+                if let Some(value) = bsdf.eval(at, wo, lens.wi, Transport::Importance) {
+                    recorder.rays.lens += 1;
+                    if !scene.accel.occluded(&Ray::segment(at.origin(lens.wi), scene.camera.position())) {
+                        // F holds the cosine at the surface: We·cosθ/d² is the camera's density over d².
+                        let d2 = distance_squared(at.p(), scene.camera.position());
+                        let scale = f64::from(lens.pdf.0) / (d2 * light_paths_per_pass);
+                        recorder.splat(s, 1, lens.pixel, beta * value.f * scale as f32);
+                    }
+                }
+            }
+        }
+        let block = dimensions::START + (s - 2) * dimensions::BLOCK;
+        sampler.set_dimension(block);
+        let u = sampler.next_2d();
+        let lobe = sampler.next_1d();
+        let Some(next) = bsdf.sample(at, wo, lobe, u, Transport::Importance) else { return };
+        beta *= next.weight;
+        let Some(q) = roulette.survive(beta, next.eta_scale, || {
+            sampler.set_dimension(block + dimensions::ROULETTE);
+            sampler.next_1d()
+        }) else {
+            return;
+        };
+        beta /= q;
+        ray = Ray::new(at.origin(next.wi), next.wi);
+        s += 1;
+    }
+}

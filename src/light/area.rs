@@ -1,0 +1,201 @@
+//! Emitting surfaces.
+
+use std::f64::consts::PI;
+
+use crate::geometry::{Geometry, QuadricKind, SurfacePoint, triangle_area};
+use crate::math::{DVec3, Frame, PointWithError, Rgb, Vec3, gamma};
+use crate::pdf::{AreaPdf, SolidAnglePdf};
+use crate::sampling::{AliasTable, warp};
+
+use super::{EmissionSample, LightPoint};
+
+/// A surface that emits the same radiance everywhere, in all directions on its normal's side.
+#[derive(Clone, Debug)]
+pub struct AreaLight {
+    /// The shape.
+    pub emitter: Emitter,
+    /// Emitted radiance, W·m⁻²·sr⁻¹.
+    pub radiance: Rgb,
+    /// Area in render units, summed in f64 (for an ellipsoid: of the ellipsoid).
+    pub area: f64,
+    /// The surface that shines.
+    pub surface: u32,
+}
+
+/// How points on an emitting surface are chosen.
+#[derive(Clone, Debug)]
+pub enum Emitter {
+    /// Two triangles that are one parallelogram: uniform by one bilinear map, which keeps a net a net.
+    Parallelogram {
+        /// One corner.
+        corner: Vec3,
+        /// The edges that leave it.
+        edges: [Vec3; 2],
+        /// Unit normal on the emitting side.
+        normal: Vec3,
+    },
+    /// Any triangles: chosen by area, then uniform.
+    Triangles {
+        /// Indices into `Geometry::triangles`.
+        triangles: Vec<u32>,
+        /// Chooses among them.
+        choice: AliasTable,
+    },
+    /// A sphere or disk under an affine map: uniform on the unit shape.
+    Quadric {
+        /// Index into `Geometry::quadrics`.
+        index: u32,
+    },
+}
+
+impl AreaLight {
+    /// A light of these triangles, or `None` when they have no area.
+    pub fn from_triangles(geometry: &Geometry, triangles: Vec<u32>, radiance: Rgb, surface: u32) -> Option<Self> {
+        let areas: Vec<f64> = triangles.iter().map(|&t| triangle_area(geometry.corners(t))).collect();
+        let area: f64 = areas.iter().sum();
+        let emitter = match parallelogram(geometry, &triangles) {
+            Some(p) => p,
+            None => Emitter::Triangles { choice: AliasTable::new(&areas)?, triangles },
+        };
+        (area > 0.0).then_some(Self { emitter, radiance, area, surface })
+    }
+
+    /// A light of a quadric, or `None` when it has no area.
+    pub fn from_quadric(geometry: &Geometry, index: u32, radiance: Rgb, surface: u32) -> Option<Self> {
+        let q = &geometry.quadrics[index as usize];
+        let area = match q.kind {
+            QuadricKind::Disk => PI * q.area_stretch(DVec3::Z),
+            QuadricKind::Sphere => {
+                // Mean stretch over a fixed spiral of directions: exact for a sphere, and for an ellipsoid only
+                // the choice among lights depends on it.
+                let n = 1024;
+                let stretch = |i: u32| {
+                    let z = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(n);
+                    let (s, c) = (f64::from(i) * 2.399_963_229_728_653).sin_cos();
+                    let r = (1.0 - z * z).sqrt();
+                    q.area_stretch(DVec3::new(r * c, r * s, z))
+                };
+                4.0 * PI * (0..n).map(stretch).sum::<f64>() / f64::from(n)
+            }
+        };
+        (area > 0.0).then_some(Self { emitter: Emitter::Quadric { index }, radiance, area, surface })
+    }
+
+    /// A point on the surface with its density per area. `u_part` chooses among triangles.
+    #[inline]
+    pub fn sample_point(&self, geometry: &Geometry, u_part: f32, u: [f32; 2]) -> Option<(SurfacePoint, AreaPdf)> {
+        match &self.emitter {
+            Emitter::Parallelogram { corner, edges, normal } => {
+                let (a, b) = (edges[0] * u[0], edges[1] * u[1]);
+                let error = (corner.abs() + a.abs() + b.abs()) * gamma(16);
+                let point = PointWithError { p: *corner + a + b, error };
+                let at = SurfacePoint { point, ng: *normal, ns: *normal, surface: self.surface, flat: true };
+                Some((at, AreaPdf(1.0 / self.area)))
+            }
+            Emitter::Triangles { triangles, choice } => {
+                let (i, _) = choice.sample(u_part);
+                let [b, c] = warp::uniform_triangle(u);
+                Some((geometry.triangle_point(triangles[i], b, c), AreaPdf(1.0 / self.area)))
+            }
+            Emitter::Quadric { index } => {
+                let q = &geometry.quadrics[*index as usize];
+                let (local, normal) = match q.kind {
+                    QuadricKind::Sphere => {
+                        let d = warp::uniform_sphere(u).as_dvec3().normalize();
+                        (d, d)
+                    }
+                    QuadricKind::Disk => {
+                        let [x, y] = warp::concentric_disk(u);
+                        (DVec3::new(f64::from(x), f64::from(y), 0.0), DVec3::Z)
+                    }
+                };
+                let p = q.to_world.transform_point3(local).as_vec3a();
+                let n = q.normal_to_world(normal).as_vec3a();
+                Some((geometry.quadric_point(*index, p, n), quadric_pdf(q, normal)))
+            }
+        }
+    }
+
+    /// Density with which `sample_point` chooses the point `p` of this light.
+    #[inline]
+    pub fn pdf_point(&self, geometry: &Geometry, p: Vec3) -> AreaPdf {
+        match &self.emitter {
+            Emitter::Parallelogram { .. } | Emitter::Triangles { .. } => AreaPdf(1.0 / self.area),
+            Emitter::Quadric { index } => {
+                let q = &geometry.quadrics[*index as usize];
+                let normal = match q.kind {
+                    QuadricKind::Sphere => q.to_local.transform_point3(p.as_dvec3()).normalize_or(DVec3::Z),
+                    QuadricKind::Disk => DVec3::Z,
+                };
+                quadric_pdf(q, normal)
+            }
+        }
+    }
+
+    /// Starts a light subpath: a point by area, a direction by cosine.
+    #[inline]
+    pub fn sample_emission(
+        &self,
+        geometry: &Geometry,
+        u_part: f32,
+        u_point: [f32; 2],
+        u_dir: [f32; 2],
+    ) -> Option<EmissionSample> {
+        let (at, pdf_position) = self.sample_point(geometry, u_part, u_point)?;
+        let local = warp::cosine_hemisphere(u_dir);
+        if local.z <= 0.0 {
+            return None;
+        }
+        let w = Frame::from_normal(at.ng).to_world(local);
+        Some(EmissionSample {
+            point: LightPoint::Surface(at),
+            w,
+            le: self.emitted(&at, w),
+            pdf_position,
+            pdf_direction: self.pdf_direction(&at, w),
+        })
+    }
+
+    /// Radiance that leaves `at` along the unit vector `w`.
+    #[inline]
+    pub fn emitted(&self, at: &SurfacePoint, w: Vec3) -> Rgb {
+        if w.dot(at.ng) > 0.0 { self.radiance } else { Rgb::ZERO }
+    }
+
+    /// Density of the direction of `sample_emission`: `cosθ/π` on the emitting side.
+    #[inline]
+    pub fn pdf_direction(&self, at: &SurfacePoint, w: Vec3) -> SolidAnglePdf {
+        SolidAnglePdf(warp::cosine_hemisphere_pdf(w.dot(at.ng)))
+    }
+}
+
+/// Density per area of a point that is uniform on the unit shape.
+#[inline]
+fn quadric_pdf(q: &crate::geometry::Quadric, local_normal: DVec3) -> AreaPdf {
+    let unit_area = match q.kind {
+        QuadricKind::Sphere => 4.0 * PI,
+        QuadricKind::Disk => PI,
+    };
+    AreaPdf(1.0 / (unit_area * q.area_stretch(local_normal)))
+}
+
+/// Recognises two triangles `abc`, `acd` that form a parallelogram.
+fn parallelogram(geometry: &Geometry, triangles: &[u32]) -> Option<Emitter> {
+    let &[first, second] = triangles else { return None };
+    let ([a, b, c], [a2, c2, d]) = (geometry.corners(first), geometry.corners(second));
+    if a != a2 || c != c2 {
+        return None;
+    }
+    // Corners are rounded to f32: equal edges are equal up to that.
+    let scale = a.abs().max(b.abs()).max(c.abs()).max(d.abs()).max_element();
+    let gap = ((b - a) - (c - d)).abs().max_element();
+    let edges = [b - a, d - a];
+    let normal = edges[0].cross(edges[1]).try_normalize()?;
+    // The gap must be small against the edges too, or a sliver's density would not be uniform.
+    let small = edges[0].length().min(edges[1].length());
+    (gap <= 4.0 * f32::EPSILON * scale && gap <= 1e-4 * small).then_some(Emitter::Parallelogram {
+        corner: a,
+        edges,
+        normal,
+    })
+}

@@ -1,0 +1,148 @@
+//! Image files: written whole or not at all, read with their sizes checked first.
+
+mod atomic;
+mod exr;
+mod png;
+mod read;
+
+use std::fmt;
+use std::fs::{self, OpenOptions};
+use std::path::{Path, PathBuf};
+
+pub use atomic::write_atomically;
+pub use exr::write_exr;
+pub use png::{srgb_decode, srgb_encode, write_png};
+pub use read::read_image;
+
+/// The largest image that is read or written, in pixels: 3 GB of it in memory.
+pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// Why an image file could not be written or read: what, which file, why, what to do.
+#[derive(Debug, Clone)]
+pub struct OutputError {
+    /// The whole message.
+    pub message: String,
+}
+
+impl OutputError {
+    fn new(doing: &str, path: &Path, why: impl fmt::Display) -> Self {
+        Self { message: format!("cannot {doing} `{}`: {why}", path.display()) }
+    }
+}
+
+impl fmt::Display for OutputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for OutputError {}
+
+/// Where a cropped image lies within the full one, in pixels from the top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Width and height of the full image: EXR's display window.
+    pub full: [u32; 2],
+    /// The full image's column and row of the crop's first pixel; with the image's own size, EXR's data window.
+    pub origin: [u32; 2],
+}
+
+/// What an EXR says about its image besides the pixels. Nothing that varies from run to run belongs here.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metadata {
+    /// String attributes, UTF-8. Their order is of no importance: the file holds them sorted by name.
+    pub attributes: Vec<(String, String)>,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// The crop's place; `None` when the image is the full one.
+    pub window: Option<Window>,
+}
+
+impl Default for Metadata {
+    fn default() -> Self {
+        Self { attributes: Vec::new(), pixel_aspect: 1.0, window: None }
+    }
+}
+
+/// The formats an image can be written in, told by the file's extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// OpenEXR: linear 32-bit floats, lossless.
+    Exr,
+    /// PNG: 8-bit sRGB.
+    Png,
+}
+
+impl Format {
+    /// The format that a path's extension (in either case) names.
+    ///
+    /// # Errors
+    /// When it names none.
+    pub fn of(path: &Path) -> Result<Self, OutputError> {
+        match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()) {
+            Some(e) if e == "exr" => Ok(Self::Exr),
+            Some(e) if e == "png" => Ok(Self::Png),
+            Some(e) => {
+                let why = format!("the extension `.{e}` names no known format; use `.exr` (linear) or `.png` (sRGB)");
+                Err(OutputError::new("write", path, why))
+            }
+            None => {
+                let why = "the name has no extension to choose the format by; add `.exr` (linear) or `.png` (sRGB)";
+                Err(OutputError::new("write", path, why))
+            }
+        }
+    }
+}
+
+/// Checks, before the time for a render is spent, that its result can be written. Leaves nothing behind.
+///
+/// # Errors
+/// An unknown extension; a missing folder, or one that cannot be written to; a directory or a read-only file in the
+/// file's place.
+pub fn check_writable(path: &Path) -> Result<Format, OutputError> {
+    let format = Format::of(path)?;
+    let error = |why: String| Err(OutputError::new("write", path, why));
+    if let Ok(there) = fs::metadata(path) {
+        if there.is_dir() {
+            return error("it is a folder; give a file's name inside it".to_owned());
+        }
+        if !there.is_file() {
+            return error("it is not a regular file, which writing would replace; choose another name".to_owned());
+        }
+        if there.permissions().readonly() {
+            return error("the file there is read-only; remove it or choose another name".to_owned());
+        }
+    }
+    let folder = folder_of(path);
+    match fs::metadata(&folder) {
+        Err(e) => return error(format!("the folder `{}` cannot be entered ({e}); create it first", folder.display())),
+        Ok(there) if !there.is_dir() => {
+            return error(format!("`{}` is not a folder; choose another place", folder.display()));
+        }
+        Ok(_) => {}
+    }
+    // Permissions, quotas and read-only mounts have one honest test.
+    let trial = atomic::temporary_name(&atomic::target(path));
+    match OpenOptions::new().write(true).create_new(true).open(&trial) {
+        Ok(_) => {
+            // It was empty; should its removal fail, writing will, too, and say so.
+            let _ = fs::remove_file(&trial);
+            Ok(format)
+        }
+        Err(e) => error(format!(
+            "no file can be created in `{}` ({e}); check its permissions and the free space, or choose another folder",
+            folder.display()
+        )),
+    }
+}
+
+/// The folder a path's file is in.
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if parent != Path::new("") => parent.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+#[cfg(test)]
+mod tests;

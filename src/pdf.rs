@@ -1,0 +1,47 @@
+//! Probability densities that carry their measure in their type, and the only conversions between measures.
+//!
+//! A value of zero means *impossible*. A delta distribution is never written as a density at all: whatever samples
+//! one says so beside it (`BsdfSample::delta`, `Light::is_delta`), because a zero that stands for "delta" gives
+//! weight to techniques that cannot make the path (the source report's `remap0`).
+
+/// Density per unit solid angle, sr⁻¹.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct SolidAnglePdf(pub f32);
+
+/// Density per unit area of render space.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct AreaPdf(pub f64);
+
+/// Probability of a discrete choice.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Pmf(pub f32);
+
+impl SolidAnglePdf {
+    /// The density that cannot occur.
+    pub const IMPOSSIBLE: Self = Self(0.0);
+
+    /// The same density per unit area of a surface seen at distance² `d2` under the cosine `cos` between its
+    /// geometric normal and the line of sight: `p_A = p_ω |cosθ| / d²` [Veach97 (8.9)].
+    #[inline(always)]
+    pub fn to_area(self, cos: f32, d2: f64) -> AreaPdf {
+        AreaPdf(f64::from(self.0) * f64::from(cos.abs()) / d2)
+    }
+}
+
+impl AreaPdf {
+    /// The same density per unit solid angle, seen from distance² `d2` under the cosine `cos` at the surface:
+    /// `p_ω = p_A d² / |cosθ|` [Veach97 (8.9)]. Edge-on surfaces subtend nothing: impossible.
+    #[inline(always)]
+    pub fn to_solid_angle(self, cos: f32, d2: f64) -> SolidAnglePdf {
+        let cos = f64::from(cos.abs());
+        if cos > 0.0 { SolidAnglePdf((self.0 * d2 / cos) as f32) } else { SolidAnglePdf::IMPOSSIBLE }
+    }
+}
+
+impl std::ops::Mul<Pmf> for AreaPdf {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, choice: Pmf) -> Self {
+        Self(self.0 * f64::from(choice.0))
+    }
+}

@@ -1,0 +1,257 @@
+//! The driver: passes, tiles, threads, time and progress. What is computed is the integrators' business; that the
+//! result does not depend on how it was scheduled is the film's.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::accel::Accel;
+use crate::film::{Accumulator, Image, Quanta};
+use crate::integrator::{Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
+use crate::light::Light;
+use crate::math::Rgb;
+use crate::scene::Scene;
+
+/// What to render.
+#[derive(Clone, Copy, Debug)]
+pub struct RenderJob {
+    /// The estimator and its settings.
+    pub settings: Settings,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Which pixels.
+    pub crop: Crop,
+    /// Worker threads; 0 for one per logical processor.
+    pub threads: usize,
+    /// Keep an image per technique, for paths of up to this many edges.
+    pub pyramid: Option<u32>,
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The image, of the crop's size.
+    pub image: Image,
+    /// Weighted image of each technique that contributed, when asked for.
+    pub techniques: BTreeMap<Technique, Image>,
+    /// Counted work.
+    pub rays: Rays,
+    /// How many contributions were not finite.
+    pub rejected: u64,
+    /// The first of them in order of pixel and sample.
+    pub rejected_first: Vec<Rejected>,
+    /// Contributions too large for the film.
+    pub overflows: u64,
+    /// Whether the render was stopped before its last sample; the image is then not the job's.
+    pub stopped: bool,
+}
+
+/// How far a render is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Pixel samples done.
+    pub done: u64,
+    /// Pixel samples to do.
+    pub total: u64,
+    /// Rays traced so far.
+    pub rays: u64,
+    /// Seconds since the start.
+    pub seconds: f64,
+}
+
+/// Why a render could not start.
+#[derive(Debug)]
+pub struct RenderError {
+    message: String,
+}
+
+impl fmt::Display for RenderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for RenderError {}
+
+/// Side of a tile in pixels.
+const TILE: u32 = 16;
+
+/// Pixel samples of a tile that one task computes: small enough to share out, large enough to pay for the task.
+const TASK_SAMPLES: u32 = 64;
+
+/// Renders a job. `progress` is called from worker threads, now and then, and answers whether to go on.
+///
+/// # Errors
+/// When the threads cannot be started.
+pub fn render<A: Accel>(
+    scene: &Scene<A>,
+    job: &RenderJob,
+    progress: &(dyn Fn(Progress) -> bool + Sync),
+) -> Result<Rendered, RenderError> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(job.threads)
+        .build()
+        .map_err(|e| RenderError { message: format!("cannot start {} render threads: {e}", job.threads) })?;
+    let run = Run::new(scene, job, progress);
+    pool.install(|| run.all());
+    Ok(run.finish())
+}
+
+/// A rectangle of pixels and a range of samples: the unit of work.
+#[derive(Clone, Copy, Debug)]
+struct Task {
+    crop: Crop,
+    first: u32,
+    count: u32,
+}
+
+struct Run<'a, A> {
+    scene: &'a Scene<A>,
+    job: &'a RenderJob,
+    progress: &'a (dyn Fn(Progress) -> bool + Sync),
+    film: Accumulator,
+    emission: f32,
+    techniques: Mutex<BTreeMap<Technique, std::sync::Arc<Accumulator>>>,
+    totals: Mutex<Totals>,
+    done: AtomicU64,
+    rays: AtomicU64,
+    stopped: AtomicBool,
+    start: Instant,
+}
+
+#[derive(Default)]
+struct Totals {
+    rays: Rays,
+    rejected: u64,
+    rejected_first: Vec<Rejected>,
+}
+
+impl<'a, A: Accel> Run<'a, A> {
+    fn new(scene: &'a Scene<A>, job: &'a RenderJob, progress: &'a (dyn Fn(Progress) -> bool + Sync)) -> Self {
+        let emission = scene.lights.iter().map(brightness).fold(0.0, f32::max);
+        Self {
+            scene,
+            job,
+            progress,
+            film: Accumulator::new(job.crop.width(), job.crop.height(), emission),
+            emission,
+            techniques: Mutex::default(),
+            totals: Mutex::default(),
+            done: AtomicU64::new(0),
+            rays: AtomicU64::new(0),
+            stopped: AtomicBool::new(false),
+            start: Instant::now(),
+        }
+    }
+
+    fn all(&self) {
+        let crop = self.job.crop;
+        let mut tasks = Vec::new();
+        let mut first = 0;
+        while first < self.job.samples {
+            let count = TASK_SAMPLES.min(self.job.samples - first);
+            for y in (crop.y0..crop.y1).step_by(TILE as usize) {
+                for x in (crop.x0..crop.x1).step_by(TILE as usize) {
+                    let tile = Crop { x0: x, y0: y, x1: crop.x1.min(x + TILE), y1: crop.y1.min(y + TILE) };
+                    tasks.push(Task { crop: tile, first, count });
+                }
+            }
+            first += count;
+        }
+        tasks.par_iter().for_each_init(
+            || {
+                let recorder = Recorder::new(crop, self.job.pyramid.is_some());
+                (SampleLoop::new(self.scene, self.job.settings, crop), recorder)
+            },
+            |(integrator, recorder), task| {
+                if !self.stopped.load(Ordering::Relaxed) {
+                    self.run(task, integrator, recorder);
+                }
+            },
+        );
+    }
+
+    fn run(&self, task: &Task, integrator: &mut SampleLoop<'_, A>, recorder: &mut Recorder) {
+        let crop = self.job.crop;
+        recorder.reset();
+        for y in task.crop.y0..task.crop.y1 {
+            for x in task.crop.x0..task.crop.x1 {
+                let mut sum = Quanta::default();
+                for index in task.first..task.first + task.count {
+                    integrator.sample(PixelSample { pixel: [x, y], index }, recorder);
+                    sum += self.film.quantize(recorder.radiance());
+                }
+                self.film.add((y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize, sum);
+                for splat in recorder.splats() {
+                    self.film.add(splat.pixel as usize, self.film.quantize(splat.value));
+                }
+                self.keep_apart(recorder);
+                recorder.clear();
+            }
+        }
+        let samples = task.crop.pixels() * u64::from(task.count);
+        let done = self.done.fetch_add(samples, Ordering::Relaxed) + samples;
+        let rays = self.rays.fetch_add(recorder.rays.total(), Ordering::Relaxed) + recorder.rays.total();
+        if let Ok(mut totals) = self.totals.lock() {
+            totals.rays += recorder.rays;
+            let (count, first) = recorder.rejected();
+            totals.rejected += count;
+            totals.rejected_first.extend_from_slice(first);
+        }
+        let total = crop.pixels() * u64::from(self.job.samples);
+        let seconds = self.start.elapsed().as_secs_f64();
+        if !(self.progress)(Progress { done, total, rays, seconds }) {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Adds what the recorder kept apart to the techniques' own films.
+    fn keep_apart(&self, recorder: &Recorder) {
+        let Some(edges) = self.job.pyramid else { return };
+        for c in recorder.by_technique() {
+            if c.technique.s + c.technique.t > edges + 1 {
+                continue;
+            }
+            let film = match self.techniques.lock() {
+                Ok(mut films) => std::sync::Arc::clone(films.entry(c.technique).or_insert_with(|| {
+                    let crop = self.job.crop;
+                    std::sync::Arc::new(Accumulator::new(crop.width(), crop.height(), self.emission))
+                })),
+                Err(_) => return,
+            };
+            film.add(c.pixel as usize, film.quantize(c.value));
+        }
+    }
+
+    fn finish(self) -> Rendered {
+        let samples = u64::from(self.job.samples);
+        let totals = self.totals.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let films = self.techniques.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut rejected_first = totals.rejected_first;
+        rejected_first.sort_by_key(|r| ([r.pixel[1], r.pixel[0]], r.sample, r.technique));
+        rejected_first.truncate(16);
+        Rendered {
+            image: self.film.resolve(samples),
+            techniques: films.into_iter().map(|(t, film)| (t, film.resolve(samples))).collect(),
+            rays: totals.rays,
+            rejected: totals.rejected,
+            rejected_first,
+            overflows: self.film.overflows(),
+            stopped: self.stopped.load(Ordering::Relaxed),
+        }
+    }
+}
+
+/// The largest channel of what a light emits: radiance, or intensity.
+fn brightness(light: &Light) -> f32 {
+    let emitted: Rgb = match light {
+        Light::Area(l) => l.radiance,
+        Light::Point(l) => l.intensity,
+        Light::Spot(l) => l.intensity,
+    };
+    emitted.max_element()
+}

@@ -1,0 +1,113 @@
+//! Maps from the unit square to directions and points, with their densities.
+
+use std::f32::consts::{FRAC_PI_4, PI};
+
+use crate::math::Vec3;
+
+/// The unit disk, area-preserving and continuous (Shirley, Chiu 1997).
+#[inline]
+pub fn concentric_disk(u: [f32; 2]) -> [f32; 2] {
+    let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    if x == 0.0 && y == 0.0 {
+        return [0.0; 2];
+    }
+    let (r, phi) =
+        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (x / y)) };
+    let (sin, cos) = phi.sin_cos();
+    [r * cos, r * sin]
+}
+
+/// A direction around +z with density `cosθ/π` per solid angle (Malley's method).
+#[inline]
+pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
+    let [x, y] = concentric_disk(u);
+    // 1 − x² − y² may round below zero at the rim; a direction of cosine zero carries nothing.
+    Vec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
+}
+
+/// The density of `cosine_hemisphere` per solid angle.
+#[inline]
+pub fn cosine_hemisphere_pdf(cos: f32) -> f32 {
+    cos.max(0.0) / PI
+}
+
+/// The unit sphere, uniformly: density 1/(4π) per solid angle, 1/(4π) per area.
+#[inline]
+pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
+    direction_from_versine(2.0 * u[0], 2.0 * PI * u[1])
+}
+
+/// The direction at azimuth `phi` whose angle θ to +z has the versine `1 − cosθ`; near the pole the versine keeps
+/// the digits that a cosine loses.
+#[inline]
+pub fn direction_from_versine(versine: f32, phi: f32) -> Vec3 {
+    let sin = (versine * (2.0 - versine)).max(0.0).sqrt();
+    let (s, c) = phi.sin_cos();
+    Vec3::new(sin * c, sin * s, 1.0 - versine)
+}
+
+/// Barycentric weights of the second and third corner of a triangle, uniform in area
+/// (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
+#[inline]
+pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
+    if u[1] > u[0] {
+        let x = 0.5 * u[0];
+        [x, u[1] - x]
+    } else {
+        let y = 0.5 * u[1];
+        [u[0] - y, y]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(n: u32) -> impl Iterator<Item = [f32; 2]> {
+        (0..n * n).map(move |i| [((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32])
+    }
+
+    #[test]
+    fn moments_of_every_map_are_those_of_its_density() {
+        let n = 512;
+        let count = f64::from(n * n);
+        let mean = |f: &dyn Fn([f32; 2]) -> f32| grid(n).map(|u| f64::from(f(u))).sum::<f64>() / count;
+        // ∫cosθ·cosθ/π dω = 2/3; a uniform disk's r² averages 1/2; a uniform sphere's z² 1/3; a triangle's weights 1/3.
+        assert!((mean(&|u| cosine_hemisphere(u).z) - 2.0 / 3.0).abs() < 1e-4);
+        assert!(
+            (mean(&|u| {
+                let [x, y] = concentric_disk(u);
+                x * x + y * y
+            }) - 0.5)
+                .abs()
+                < 1e-4
+        );
+        assert!(
+            (mean(&|u| {
+                let z = uniform_sphere(u).z;
+                z * z
+            }) - 1.0 / 3.0)
+                .abs()
+                < 1e-4
+        );
+        assert!(mean(&|u| uniform_sphere(u).x).abs() < 1e-4);
+        assert!((mean(&|u| uniform_triangle(u)[0]) - 1.0 / 3.0).abs() < 1e-3);
+        assert!((mean(&|u| uniform_triangle(u)[1]) - 1.0 / 3.0).abs() < 1e-3);
+        // Second moment ∫b² = 1/6, which a map that is not uniform misses.
+        assert!((mean(&|u| uniform_triangle(u)[0].powi(2)) - 1.0 / 6.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_ends_of_the_unit_interval_are_harmless() {
+        let last = 1.0 - f32::EPSILON / 2.0;
+        for a in [0.0, last] {
+            for b in [0.0, last] {
+                let d = cosine_hemisphere([a, b]);
+                assert!(d.is_finite() && (d.length() - 1.0).abs() < 1e-3 && d.z >= 0.0, "{d:?}");
+                assert!((uniform_sphere([a, b]).length() - 1.0).abs() < 1e-5);
+                let [u, v] = uniform_triangle([a, b]);
+                assert!(u >= 0.0 && v >= 0.0 && u + v <= 1.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,327 @@
+//! From a scene as written to one that can be rendered: everything is brought into *render space*.
+//!
+//! Render space is the world recentred on the scene's bounds and scaled by a power of two so that the bounds' largest
+//! half extent lies in [½, 1). Both are exact in what matters: a scene written at 2ᵏ times the size prepares to the
+//! same bits. Radiance does not change with scale; radiant intensity does, with its square (E = I/r²).
+
+use super::desc::{Diagnostic, MaterialKind, SceneDesc, SceneError, ShapeDesc, SurfaceDesc, is_black};
+use super::{SceneNeeds, Surface};
+use crate::bsdf::Bsdf;
+use crate::camera::Camera;
+use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
+use crate::light::{AreaLight, Light, PointLight, SpotLight};
+use crate::math::{DAffine3, DMat3, DVec3, Rgb, Vec3};
+
+/// A scene in render space, before its acceleration structure.
+#[derive(Debug)]
+pub struct Prepared {
+    /// Shapes.
+    pub geometry: Geometry,
+    /// By surface index; delta points have none.
+    pub surfaces: Vec<Surface>,
+    /// Lights of positive power.
+    pub lights: Vec<Light>,
+    /// The camera.
+    pub camera: Camera,
+    /// What can be skipped.
+    pub needs: SceneNeeds,
+    /// Render space = `scale` · (world − `center`), world units.
+    pub center: DVec3,
+    /// A power of two.
+    pub scale: f64,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Something about the scene that does not stop it from rendering.
+pub type Warning = Diagnostic;
+
+/// Brings a scene into render space.
+///
+/// # Errors
+/// When the camera's transform shears, or a transform carries a vertex out of range.
+pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
+    let mut errors = Vec::new();
+    let (center, scale) = normalization(desc, &mut errors);
+    let to_render = DAffine3::from_scale(DVec3::splat(scale)) * DAffine3::from_translation(-center);
+
+    let camera_to_render = to_render * desc.camera.transform;
+    let m = camera_to_render.matrix3;
+    if shears(&m) {
+        errors.push(Diagnostic {
+            at: desc.camera.at.clone(),
+            message: "the camera's transform shears: its axes must stay at right angles; \
+                      use from/at/up, a rotation, a translation or a scale"
+                .into(),
+        });
+    }
+    if !errors.is_empty() {
+        return Err(SceneError { diagnostics: errors });
+    }
+    let [width, height] = desc.camera.resolution;
+    let camera = Camera::pinhole(&camera_to_render, desc.camera.vfov, width, height);
+
+    let mut builder = Builder { to_render, scale, ..Builder::default() };
+    for surface in &desc.surfaces {
+        builder.add(desc, surface);
+    }
+    let Builder { mut geometry, surfaces, lights, mut warnings, .. } = builder;
+    if geometry.normals.iter().all(|n| *n == Vec3::ZERO) {
+        geometry.normals.clear();
+    }
+    let reach = reach(&camera, &geometry);
+    for point in &mut geometry.delta_points {
+        *point = DeltaPoint::new(point.position, reach);
+    }
+    if lights.is_empty() {
+        warnings.push(Diagnostic {
+            at: desc.camera.at.clone(),
+            message: "nothing in the scene shines: the image will be black".into(),
+        });
+    }
+    let needs = SceneNeeds::of(&surfaces, &lights);
+    Ok(Prepared { geometry, surfaces, lights, camera, needs, center, scale, warnings })
+}
+
+/// Whether the axes of a map are not at right angles to each other (to 1e-4 of their lengths).
+fn shears(m: &DMat3) -> bool {
+    let skew = |a: DVec3, b: DVec3| a.dot(b).abs() > 1e-4 * a.length() * b.length();
+    skew(m.x_axis, m.y_axis) || skew(m.y_axis, m.z_axis) || skew(m.z_axis, m.x_axis)
+}
+
+/// How far from a delta point a ray that is aimed at it may start.
+fn reach(camera: &Camera, geometry: &Geometry) -> f32 {
+    let mut farthest = camera.position().abs().max_element().max(1.0);
+    for point in &geometry.delta_points {
+        farthest = farthest.max(point.position.abs().max_element());
+    }
+    // The diagonal of the box of that half extent.
+    2.0 * 3.0_f32.sqrt() * farthest
+}
+
+/// Centre of the scene's bounds and the power of two that brings their largest half extent into [½, 1).
+fn normalization(desc: &SceneDesc, errors: &mut Vec<Diagnostic>) -> (DVec3, f64) {
+    let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut grow = |surface: &SurfaceDesc, p: DVec3| {
+        let p = surface.transform.transform_point3(p);
+        // Beyond this, squares of distances leave f32 even after scaling.
+        if !(p.abs().max_element() < 1e30) {
+            if errors.last().is_none_or(|e: &Diagnostic| e.at != surface.at) {
+                errors.push(Diagnostic {
+                    at: surface.at.clone(),
+                    message: format!("the transform carries a point to {p}: coordinates must stay below 1e30"),
+                });
+            }
+            return;
+        }
+        lo = lo.min(p);
+        hi = hi.max(p);
+    };
+    for surface in &desc.surfaces {
+        match &surface.shape {
+            ShapeDesc::Quad { size: [w, h] } => {
+                for (x, y) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)] {
+                    grow(surface, DVec3::new(x * w, y * h, 0.0));
+                }
+            }
+            ShapeDesc::Sphere { radius } | ShapeDesc::Disk { radius } => {
+                for axis in DVec3::AXES {
+                    grow(surface, axis * *radius);
+                    grow(surface, axis * -*radius);
+                }
+            }
+            ShapeDesc::Mesh(mesh) => {
+                for p in &mesh.positions {
+                    grow(surface, DVec3::from(p.map(f64::from)));
+                }
+            }
+            ShapeDesc::DeltaPoint => grow(surface, DVec3::ZERO),
+        }
+    }
+    if lo.x > hi.x {
+        return (desc.camera.transform.translation, 1.0);
+    }
+    let half = (0.5 * (hi - lo)).max_element();
+    // A scene of one point takes its scale from the camera's distance to it.
+    let half = if half > 0.0 { half } else { (desc.camera.transform.translation - lo).length() };
+    let scale = if half > 0.0 { (-(half.log2().floor() as i32) - 1) as f64 } else { 0.0 };
+    (0.5 * (lo + hi), scale.exp2())
+}
+
+/// Collects what surfaces become.
+struct Builder {
+    to_render: DAffine3,
+    scale: f64,
+    geometry: Geometry,
+    surfaces: Vec<Surface>,
+    lights: Vec<Light>,
+    warnings: Vec<Warning>,
+}
+
+impl Default for Builder {
+    fn default() -> Self {
+        Self {
+            to_render: DAffine3::IDENTITY,
+            scale: 1.0,
+            geometry: Geometry::default(),
+            surfaces: Vec::new(),
+            lights: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+}
+
+impl Builder {
+    fn add(&mut self, desc: &SceneDesc, surface: &SurfaceDesc) {
+        let material = &desc.materials[surface.material];
+        let to_render = self.to_render * surface.transform;
+        if matches!(surface.shape, ShapeDesc::DeltaPoint) {
+            self.add_delta(surface, &material.kind, &to_render);
+            return;
+        }
+        let index = self.surfaces.len() as u32;
+        let emit = rgb(material.emit);
+        let light = match &surface.shape {
+            ShapeDesc::Quad { size: [w, h] } => {
+                let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+                let positions: Vec<DVec3> = corners.iter().map(|[x, y]| DVec3::new(x * w, y * h, 0.0)).collect();
+                let triangles =
+                    self.add_triangles(surface, &to_render, &positions, &[], &[[0, 1, 2], [0, 2, 3]], index);
+                self.triangle_light(triangles, emit, index)
+            }
+            ShapeDesc::Mesh(mesh) => {
+                let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
+                let triangles =
+                    self.add_triangles(surface, &to_render, &positions, &mesh.normals, &mesh.triangles, index);
+                self.triangle_light(triangles, emit, index)
+            }
+            ShapeDesc::Sphere { radius } => {
+                self.add_quadric(surface, QuadricKind::Sphere, &to_render, *radius, emit, index)
+            }
+            ShapeDesc::Disk { radius } => {
+                self.add_quadric(surface, QuadricKind::Disk, &to_render, *radius, emit, index)
+            }
+            ShapeDesc::DeltaPoint => None,
+        };
+        if light.is_none() && !is_black(material.emit) {
+            self.warn(surface, "the light has no area: it emits nothing".into());
+        }
+        let light = light.map(|l| {
+            self.lights.push(Light::Area(l));
+            self.lights.len() as u32 - 1
+        });
+        self.surfaces.push(Surface { bsdf: bsdf(&material.kind), light });
+    }
+
+    fn warn(&mut self, surface: &SurfaceDesc, message: String) {
+        self.warnings.push(Diagnostic { at: surface.at.clone(), message });
+    }
+
+    fn triangle_light(&self, triangles: Vec<u32>, emit: Rgb, index: u32) -> Option<AreaLight> {
+        (emit != Rgb::ZERO).then(|| AreaLight::from_triangles(&self.geometry, triangles, emit, index)).flatten()
+    }
+
+    /// Appends triangles and returns the indices of those that have an area.
+    fn add_triangles(
+        &mut self,
+        surface: &SurfaceDesc,
+        to_render: &DAffine3,
+        positions: &[DVec3],
+        normals: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        index: u32,
+    ) -> Vec<u32> {
+        let first = self.geometry.positions.len() as u32;
+        let inverse_transpose = to_render.matrix3.inverse().transpose();
+        self.geometry.positions.extend(positions.iter().map(|p| to_render.transform_point3(*p).as_vec3a()));
+        if normals.is_empty() {
+            self.geometry.normals.resize(self.geometry.positions.len(), Vec3::ZERO);
+        } else {
+            let turned = |n: &[f32; 3]| (inverse_transpose * DVec3::from(n.map(f64::from))).normalize_or_zero();
+            self.geometry.normals.extend(normals.iter().map(|n| turned(n).as_vec3a()));
+        }
+        // A mirroring map turns the winding over but not the side that was meant.
+        let flip = surface.flip_normals != (to_render.matrix3.determinant() < 0.0);
+        let mut kept = Vec::with_capacity(triangles.len());
+        for &[a, b, c] in triangles {
+            let t = if flip { [a, c, b] } else { [a, b, c] };
+            let t = t.map(|i| first + i);
+            let id = self.geometry.triangles.len() as u32;
+            if triangle_area(t.map(|i| self.geometry.positions[i as usize])) > 0.0 {
+                self.geometry.triangles.push(t);
+                self.geometry.triangle_surface.push(index);
+                kept.push(id);
+            }
+        }
+        let dropped = triangles.len() - kept.len();
+        if dropped > 0 {
+            let plural = if dropped == 1 { "triangle" } else { "triangles" };
+            self.warn(surface, format!("{dropped} {plural} without area dropped, of {}", triangles.len()));
+        }
+        kept
+    }
+
+    fn add_quadric(
+        &mut self,
+        surface: &SurfaceDesc,
+        kind: QuadricKind,
+        to_render: &DAffine3,
+        radius: f64,
+        emit: Rgb,
+        index: u32,
+    ) -> Option<AreaLight> {
+        let unit_to_render = *to_render * DAffine3::from_scale(DVec3::splat(radius));
+        let id = self.geometry.quadrics.len() as u32;
+        self.geometry.quadrics.push(Quadric::new(kind, unit_to_render, surface.flip_normals));
+        self.geometry.quadric_surface.push(index);
+        (emit != Rgb::ZERO).then(|| AreaLight::from_quadric(&self.geometry, id, emit, index)).flatten()
+    }
+
+    fn add_delta(&mut self, surface: &SurfaceDesc, material: &MaterialKind, to_render: &DAffine3) {
+        let position = to_render.translation.as_vec3a();
+        let to_intensity = self.scale * self.scale;
+        let scaled = |c: [f64; 3]| rgb(c.map(|x| x * to_intensity));
+        let light = match *material {
+            MaterialKind::PointLight { intensity } => {
+                Light::Point(PointLight { position, intensity: scaled(intensity) })
+            }
+            MaterialKind::SpotLight { intensity, inner_angle, outer_angle, falloff } => {
+                let axis = (to_render.matrix3 * -DVec3::Z).normalize().as_vec3a();
+                Light::Spot(SpotLight::new(position, axis, scaled(intensity), inner_angle, outer_angle, falloff))
+            }
+            // The importer lets only lights stand on delta points.
+            _ => return,
+        };
+        self.geometry.delta_points.push(DeltaPoint::new(position, 1.0));
+        if light.power().max_element() > 0.0 {
+            self.lights.push(light);
+        } else {
+            self.warn(surface, "the light emits no power: it is left out".into());
+        }
+    }
+}
+
+fn rgb(c: [f64; 3]) -> Rgb {
+    DVec3::from(c).as_vec3a()
+}
+
+fn bsdf(kind: &MaterialKind) -> Bsdf {
+    match *kind {
+        MaterialKind::Lambertian { albedo, two_sided } => {
+            // An albedo of zero scatters nothing: the walk ends there without sampling.
+            if is_black(albedo) { Bsdf::Black } else { Bsdf::Lambertian { albedo: rgb(albedo), two_sided } }
+        }
+        MaterialKind::Mirror { albedo } => {
+            if is_black(albedo) {
+                Bsdf::Black
+            } else {
+                Bsdf::Mirror { albedo: rgb(albedo) }
+            }
+        }
+        MaterialKind::Dielectric { ior, transmittance } => {
+            Bsdf::Dielectric { ior: ior as f32, transmittance: rgb(transmittance) }
+        }
+        MaterialKind::Null => Bsdf::Null,
+        MaterialKind::Black | MaterialKind::PointLight { .. } | MaterialKind::SpotLight { .. } => Bsdf::Black,
+    }
+}

@@ -1,0 +1,113 @@
+//! Good input, some of it easily taken for bad.
+
+use twinlight::import::load_scene;
+use twinlight::math::DVec3;
+use twinlight::scene::desc::{Heuristic, IntegratorKind, MaterialKind, Place, SamplerKind, ShapeDesc};
+
+use super::{mesh_of, read, shared};
+
+#[test]
+fn a_whole_scene() {
+    let text = r#"{
+  "camera": {"transform": [{"from": [0, 0, 4], "at": [0, 0, 0]}, {"translate": [0, 1, 0]}], "resolution": [32, 16]},
+  "integrator": {"type": "path", "max_bounces": 5, "russian_roulette": false, "heuristic": "balance"},
+  "sampler": {"type": "independent", "seed": 7, "samples": 16},
+  "background": {"type": "constant", "color": [0, 0, 0]},
+  "materials": [
+    {"name": "glowing", "type": "lambertian", "albedo": 0.5, "two_sided": true, "emit": [1, 2, 3]},
+    {"name": "glass", "type": "dielectric", "ior": 1, "roughness": 0},
+    {"name": "chrome", "type": "metal"}
+  ],
+  "surfaces": [
+    {"type": "quad", "size": [2, 3], "transform": {"axis": [1, 0, 0], "angle": 90}, "material": "glowing"},
+    {"type": "sphere", "material": "glass", "flip_normals": true},
+    {"type": "disk", "radius": 2, "material": "chrome"},
+    {"type": "triangle", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "material": {"type": "null"}},
+    {"type": "mesh", "positions": [0, 1, [2, 3, 4], 3], "indices": [[0, 1, 2, 3], [3, 2, 1]], "material": "glass"},
+    {"type": "delta point", "transform": {"translate": 1}, "material": {"type": "point light", "emit": 4}}
+  ],
+  "lights": [{"type": "spot", "position": [1, 2, 3], "at": [1, 2, 0], "intensity": 2, "inner_angle": 10, "outer_angle": 20}]
+}"#;
+    let scene = read(text).unwrap();
+    assert_eq!(scene.camera.transform.translation.to_array(), [0.0, 1.0, 4.0]);
+    assert_eq!((scene.camera.resolution, scene.camera.vfov, scene.samples), ([32, 16], 90.0, 16));
+    assert_eq!((scene.integrator.kind, scene.integrator.max_bounces), (IntegratorKind::Path, 5));
+    assert_eq!((scene.integrator.russian_roulette, scene.integrator.heuristic), (false, Heuristic::Balance));
+    assert_eq!((scene.sampler.kind, scene.sampler.seed), (SamplerKind::Independent, 7));
+    assert_eq!(scene.materials[0].emit, [1.0, 2.0, 3.0]);
+    assert_eq!(scene.materials[1].kind, MaterialKind::Dielectric { ior: 1.0, transmittance: [1.0; 3] });
+    assert_eq!(scene.materials[2].kind, MaterialKind::Mirror { albedo: [1.0; 3] });
+    // A quad turned by +90° about x faces down, exactly.
+    let down = scene.surfaces[0].transform.matrix3 * DVec3::Z;
+    assert_eq!(down.to_array(), [0.0, -1.0, 0.0]);
+    assert_eq!(mesh_of(&scene.surfaces[3].shape).triangles, [[0, 1, 2]]);
+    let mesh = mesh_of(&scene.surfaces[4].shape);
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [3, 2, 1]]);
+    assert_eq!(mesh.positions[1..3], [[1.0; 3], [2.0, 3.0, 4.0]]);
+    let spot = &scene.surfaces[6];
+    let axis = spot.transform.matrix3 * -DVec3::Z;
+    assert!((axis - -DVec3::Z).length() < 1e-15, "{axis}");
+    assert!((spot.transform.matrix3.determinant() - 1.0).abs() < 1e-15);
+    assert_eq!(
+        scene.materials[spot.material].kind,
+        MaterialKind::SpotLight { intensity: [2.0; 3], inner_angle: 10.0, outer_angle: 20.0, falloff: 0.5 }
+    );
+    assert_eq!(spot.at, Place { file: "s.json".to_owned(), line: 19, column: 14, pointer: "/lights/0".to_owned() });
+    assert!(scene.surfaces.iter().all(|s| s.at.line > 0) && scene.materials.iter().all(|m| m.at.line > 0));
+    assert_eq!((scene.camera.at.line, scene.camera.at.pointer.as_str()), (2, "/camera"));
+    assert!(scene.notes.is_empty());
+}
+
+#[test]
+fn a_point_light_is_the_delta_point_it_stands_for() {
+    let sugar = read(r#"{"camera": {}, "lights": [{"type": "point", "position": [1, 2, 3], "intensity": [4, 5, 6]}]}"#)
+        .unwrap();
+    let plain = read(
+        r#"{"camera": {}, "surfaces": [{"type": "delta point", "transform": {"translate": [1, 2, 3]},
+            "material": {"type": "point light", "emit": [4, 5, 6]}}]}"#,
+    )
+    .unwrap();
+    for scene in [&sugar, &plain] {
+        assert!(matches!(scene.surfaces[0].shape, ShapeDesc::DeltaPoint));
+        assert_eq!(scene.materials[0].kind, MaterialKind::PointLight { intensity: [4.0, 5.0, 6.0] });
+        assert_eq!(scene.materials[0].emit, [0.0; 3]);
+    }
+    assert_eq!(sugar.surfaces[0].transform, plain.surfaces[0].transform);
+}
+
+#[test]
+fn what_dirt_writes_is_read_with_notes() {
+    let scene = read(
+        r#"{"camera": {"resolution": [8, 8]}, "accelerator": {"type": "bbh"}, "image_samples": 4, "media": [{"name": "fog"}],
+            "integrator": {"type": "path_tracer_mis", "max_bounces": 3}, "sampler": {"type": "halton"}}"#,
+    )
+    .unwrap();
+    assert_eq!((scene.integrator.kind, scene.integrator.max_bounces), (IntegratorKind::Path, 3));
+    assert_eq!((scene.sampler.kind, scene.samples), (SamplerKind::Sobol, 4));
+    assert_eq!(
+        scene.notes,
+        [
+            "s.json:1:51: /accelerator: the accelerator is ignored: it is chosen on the command line",
+            "s.json:1:97: /media: the media are ignored: nothing may use them (participating media are not supported)",
+            "s.json:2:36: /integrator/type: the integrator \"path_tracer_mis\" is read as \"path\"",
+            "s.json:2:94: /sampler/type: the sampler \"halton\" is read as \"sobol\"",
+        ]
+    );
+    let scene = read(r#"{"camera": {}, "image_samples": 4, "sampler": {"samples": 9}}"#).unwrap();
+    assert_eq!(scene.samples, 9);
+    assert_eq!(scene.notes, ["s.json:1:33: /image_samples: image_samples 4 is overruled by the sampler's samples"]);
+}
+
+#[test]
+fn cornell_boxes_load() {
+    let Some(folder) = shared("cornell") else { return };
+    for (name, surfaces) in [("area", 6), ("glass", 6), ("point", 6), ("spot", 6)] {
+        let scene = load_scene(&folder.join(format!("cornell_{name}.json"))).unwrap();
+        assert_eq!(scene.surfaces.len(), surfaces, "{name}");
+        assert_eq!(scene.camera.resolution, [256, 256], "{name}");
+        assert!(scene.notes.is_empty(), "{name}: {:?}", scene.notes);
+    }
+    let error = load_scene(&folder.join("cornell_glossy.json")).unwrap_err().to_string();
+    assert!(error.contains("/materials/3/type: material type \"conductor\" is not supported yet"), "{error}");
+    assert_eq!(error.lines().count(), 1, "{error}");
+}

@@ -1,0 +1,261 @@
+//! Materials, surfaces and lights.
+
+use super::{each, expect_errors, read};
+
+#[test]
+fn materials() {
+    each(
+        r#"{"camera": {}, "materials": [{"name": "m", @}]}"#,
+        &[
+            (r#""type": "lambertian", "albedo": «1.01"#, "/materials/0/albedo: 1.01 is out of range; allowed: 0 to 1"),
+            (
+                r#""type": "lambertian", "albedo": [0, 0, «-0.1]"#,
+                "/materials/0/albedo/2: -0.1 is out of range; allowed: 0 to 1",
+            ),
+            (
+                r#""type": "lambertian", "albedo": «{"type": "checker"}"#,
+                "/materials/0/albedo: textures are not supported yet; supported: a number or an array of numbers",
+            ),
+            (r#""type": "mirror", "albedo": «2"#, "/materials/0/albedo: 2 is out of range; allowed: 0 to 1"),
+            (r#""type": "metal", "roughness": «-1"#, "/materials/0/roughness: -1 is out of range; allowed: 0 or above"),
+            (
+                r#""type": "metal", "roughness": «0.2"#,
+                "/materials/0/roughness: roughness 0.2 is not supported yet; supported: 0 (smooth)",
+            ),
+            (
+                r#""type": "dielectric", "roughness": «0.2"#,
+                "/materials/0/roughness: roughness 0.2 is not supported yet; supported: 0 (smooth)",
+            ),
+            (r#""type": "dielectric", "ior": «0"#, "/materials/0/ior: 0 is out of range; allowed: above 0"),
+            (r#""type": "dielectric", "ior": «-1.5"#, "/materials/0/ior: -1.5 is out of range; allowed: above 0"),
+            (
+                r#""type": "dielectric", "transmittance": «1.5"#,
+                "/materials/0/transmittance: 1.5 is out of range; allowed: 0 to 1",
+            ),
+            (
+                r#""type": "diffuse light", "emit": [1, «-1, 1]"#,
+                "/materials/0/emit/1: -1 is out of range; allowed: 0 to 3.4e38",
+            ),
+            (
+                r#""type": "diffuse light", "emit": 1, "two_sided": «true"#,
+                "/materials/0/two_sided: emission on both sides is not supported yet; supported: false",
+            ),
+            (
+                r#""type": "mirror", "emit": 1, "emit_two_sided": «true"#,
+                "/materials/0/emit_two_sided: emission on both sides is not supported yet; supported: false",
+            ),
+            (
+                r#""type": "null", "emit": «1"#,
+                "/materials/0/emit: a \"null\" surface cannot emit: it is not there; give the light a surface of its own",
+            ),
+            (
+                r#""type": "mirror", «"opacity": 1"#,
+                "/materials/0/opacity: \"opacity\" is not supported yet; supported here: type, name, albedo, emit, emit_two_sided",
+            ),
+        ],
+    );
+    expect_errors(
+        r#"{"camera": {}, "materials": [«{"name": "m", "type": "lambertian"}]}"#,
+        &["/materials/0: \"albedo\" is missing"],
+    );
+    expect_errors(
+        r#"{"camera": {}, "materials": [«{"name": "m", "type": "diffuse light"}]}"#,
+        &["/materials/0: \"emit\" is missing"],
+    );
+    expect_errors(r#"{"camera": {}, "materials": [«{"type": "mirror"}]}"#, &["/materials/0: \"name\" is missing"]);
+    expect_errors(
+        r#"{"camera": {}, "materials": [{"name": "m", "type": "mirror"}, {"name": «"m", "type": "null"}]}"#,
+        &["/materials/1/name: duplicate material name \"m\"; names must differ"],
+    );
+    for later in ["conductor", "plastic", "thin dielectric", "blend", "phong", "blinnphong", "beckmann", "oren-nayar"] {
+        expect_errors(
+            &format!(r#"{{"camera": {{}}, "materials": [{{"name": "m", "type": «"{later}", "albedo": 1}}]}}"#),
+            &[&format!(
+                "/materials/0/type: material type \"{later}\" is not supported yet; supported: lambertian, mirror, metal, \
+                 dielectric, diffuse light, point light, spot light, null"
+            )],
+        );
+    }
+}
+
+#[test]
+fn dangling_names() {
+    expect_errors(
+        r#"{"camera": {}, "surfaces": [{"type": "quad", "material": «"white"}]}"#,
+        &["/surfaces/0/material: no material is named \"white\"; there are no named materials"],
+    );
+    expect_errors(
+        r#"{"camera": {}, "surfaces": [{"type": "quad", "material": «"whit"}],
+            "materials": [{"name": "red", "type": "mirror"}, {"name": "white", "type": "mirror"}]}"#,
+        &["/surfaces/0/material: no material is named \"whit\"; did you mean \"white\"? known: red, white"],
+    );
+    expect_errors(
+        r#"{"camera": {}, "surfaces": [{"type": "quad", "material": «7}]}"#,
+        &["/surfaces/0/material: expected the name of a material or a material object, found the number 7"],
+    );
+}
+
+#[test]
+fn surfaces() {
+    each(
+        r#"{"camera": {}, "surfaces": [{"material": {"type": "mirror"}, @}]}"#,
+        &[
+            (r#""type": "sphere", "radius": «0"#, "/surfaces/0/radius: 0 is out of range; allowed: above 0"),
+            (r#""type": "sphere", "radius": «-2"#, "/surfaces/0/radius: -2 is out of range; allowed: above 0"),
+            (r#""type": "disk", "radius": «0"#, "/surfaces/0/radius: 0 is out of range; allowed: above 0"),
+            (r#""type": "quad", "size": [1, «0]"#, "/surfaces/0/size/1: 0 is out of range; allowed: above 0"),
+            (
+                r#""type": "quad", "transform": «{"scale": [0, 1, 1]}"#,
+                "/surfaces/0/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
+            ),
+            (
+                r#""type": "quad", "flip_normals": «"yes""#,
+                "/surfaces/0/flip_normals: expected true or false, found the string \"yes\"",
+            ),
+            (
+                r#""type": "quad", «"opacity": 0.5"#,
+                "/surfaces/0/opacity: \"opacity\" is not supported yet; supported here: type, transform, material, flip_normals, size",
+            ),
+            (
+                r#""type": "quad", «"normal_map": "n.png""#,
+                "/surfaces/0/normal_map: \"normal_map\" is not supported yet; supported here: type, transform, material, flip_normals, size",
+            ),
+            (
+                r#""type": "quad", «"radius": 1"#,
+                "/surfaces/0/radius: unknown key \"radius\"; allowed: type, transform, material, flip_normals, size",
+            ),
+        ],
+    );
+    for later in ["cube", "cylinder", "group", "instance"] {
+        expect_errors(
+            &format!(r#"{{"camera": {{}}, "surfaces": [{{"type": «"{later}", "name": "x"}}]}}"#),
+            &[&format!(
+                "/surfaces/0/type: surface type \"{later}\" is not supported yet; supported: quad, sphere, disk, triangle, \
+                 mesh, delta point"
+            )],
+        );
+    }
+    expect_errors(r#"{"camera": {}, "surfaces": [«{"material": "m"}]}"#, &["/surfaces/0: \"type\" is missing"]);
+    expect_errors(r#"{"camera": {}, "surfaces": [«{"type": "quad"}]}"#, &["/surfaces/0: \"material\" is missing"]);
+}
+
+#[test]
+fn delta_points_and_their_lights() {
+    each(
+        r#"{"camera": {}, "surfaces": [{"type": "delta point", "material": @}]}"#,
+        &[
+            (
+                r#"«{"type": "mirror"}"#,
+                "/surfaces/0/material: a \"delta point\" cannot be \"mirror\": it has no area; allowed: \"point light\", \"spot light\"",
+            ),
+            (r#"«{"type": "point light"}"#, "/surfaces/0/material: \"emit\" is missing"),
+            (
+                r#"{"type": "point light", "emit": «-1}"#,
+                "/surfaces/0/material/emit: -1 is out of range; allowed: 0 to 3.4e38",
+            ),
+            (
+                r#"{"type": "spot light", "emit": 1, "inner_angle": «40, "outer_angle": 30}"#,
+                "/surfaces/0/material/inner_angle: inner_angle 40 exceeds outer_angle 30; allowed: at most as large",
+            ),
+            (
+                r#"{"type": "spot light", "emit": 1, "inner_angle": 20, "outer_angle": «181}"#,
+                "/surfaces/0/material/outer_angle: 181 is out of range; allowed: 0 to 180 degrees",
+            ),
+            (
+                r#"{"type": "spot light", "emit": 1, "inner_angle": «-1, "outer_angle": 30}"#,
+                "/surfaces/0/material/inner_angle: -1 is out of range; allowed: 0 to 180 degrees",
+            ),
+            (
+                r#"{"type": "spot light", "emit": 1, "inner_angle": 20, "outer_angle": 30, "falloff": «-1}"#,
+                "/surfaces/0/material/falloff: -1 is out of range; allowed: 0 or above",
+            ),
+            (
+                r#"{"type": "spot light", "emit": 1, "inner_angle": 20, "outer_angle": 30, "profile": «"angle"}"#,
+                "/surfaces/0/material/profile: spot profile \"angle\" is not supported yet; supported: cosine",
+            ),
+        ],
+    );
+    expect_errors(
+        r#"{"camera": {}, "surfaces": [{"type": "sphere", "material": «{"type": "point light", "emit": 1}}]}"#,
+        &[
+            "/surfaces/0/material: a \"point light\" material has no place on a \"sphere\"; allowed: on a \"delta point\"",
+        ],
+    );
+    for (inner, outer) in [(0, 0), (30, 30), (0, 90), (180, 180)] {
+        read(&format!(
+            r#"{{"camera": {{}}, "surfaces": [{{"type": "delta point", "material":
+                {{"type": "spot light", "emit": 1, "inner_angle": {inner}, "outer_angle": {outer}}}}}]}}"#
+        ))
+        .unwrap();
+    }
+}
+
+#[test]
+fn lights() {
+    each(
+        r#"{"camera": {}, "lights": [{"position": [1, 2, 3], "intensity": 1, "inner_angle": 10, "outer_angle": 20, @}]}"#,
+        &[
+            (
+                r#""type": "spot", "at": «[1, 2, 3]"#,
+                "/lights/0/at: the spot's axis has length 0: [1, 2, 3] gives it no direction",
+            ),
+            (
+                r#""type": "spot", "direction": «0"#,
+                "/lights/0/direction: the spot's axis has length 0: 0 gives it no direction",
+            ),
+            (
+                r#""type": "spot", "direction": 1, "at": «0"#,
+                "/lights/0/at: \"at\" and \"direction\" both aim the spot; give one of them",
+            ),
+        ],
+    );
+    expect_errors(
+        r#"{"camera": {}, "lights": [«{"type": "spot", "position": 0, "intensity": 1, "inner_angle": 1, "outer_angle": 2}]}"#,
+        &["/lights/0: \"at\" or \"direction\" is missing: the spot aims nowhere"],
+    );
+    expect_errors(
+        r#"{"camera": {}, "lights": [{"type": "point", "position": 0, "intensity": «-2}]}"#,
+        &["/lights/0/intensity: -2 is out of range; allowed: 0 to 3.4e38"],
+    );
+    expect_errors(
+        r#"{"camera": {}, "lights": [{"type": "spot", "position": 0, "direction": 1, "intensity": 1, "inner_angle": «3, "outer_angle": 2}]}"#,
+        &["/lights/0/inner_angle: inner_angle 3 exceeds outer_angle 2; allowed: at most as large"],
+    );
+    for later in ["directional", "constant", "environment"] {
+        expect_errors(
+            &format!(r#"{{"camera": {{}}, "lights": [{{"type": «"{later}"}}]}}"#),
+            &[&format!("/lights/0/type: light type \"{later}\" is not supported yet; supported: point, spot")],
+        );
+    }
+}
+
+#[test]
+fn what_is_not_supported_yet() {
+    each(
+        r#"{"camera": {}, @}"#,
+        &[
+            (r#""background": «1"#, "/background: a background that shines is not supported yet; supported: 0 (black)"),
+            (
+                r#""background": «[0, 0, 1]"#,
+                "/background: a background that shines is not supported yet; supported: 0 (black)",
+            ),
+            (
+                r#""background": «{"type": "constant", "color": 1}"#,
+                "/background: a background that shines is not supported yet; supported: 0 (black)",
+            ),
+            (
+                r#""background": {"type": «"image", "filename": "sky.exr"}"#,
+                "/background/type: background type \"image\" is not supported yet; supported: constant",
+            ),
+            (r#""background": «-1"#, "/background: -1 is out of range; allowed: 0 to 3.4e38"),
+            (
+                r#""textures": «[{"name": "t"}]"#,
+                "/textures: textures are not supported yet; supported: numbers and colours",
+            ),
+            (
+                r#""media": [{}], "surfaces": [{"type": "quad", "material": {"type": "mirror"}, «"medium": "fog"}]"#,
+                "/surfaces/0/medium: \"medium\": participating media are not supported; supported here: type, transform, material, flip_normals, size",
+            ),
+        ],
+    );
+}
