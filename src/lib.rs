@@ -17,3 +17,6 @@ pub mod pdf;
 pub mod render;
 pub mod sampling;
 pub mod scene;
+pub mod cli;
+pub mod output;
+pub mod compare;

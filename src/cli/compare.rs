@@ -6,7 +6,7 @@ use super::args::CompareArgs;
 use super::{Failure, print, status};
 use crate::compare::{Metrics, metrics};
 use crate::film::Image;
-use crate::output::{self, Encoding, Metadata, Window};
+use crate::output::{self, Metadata};
 
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(path) = &args.difference {
@@ -18,10 +18,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     print(&if args.json { format!("{:#}\n", to_json(&m)) } else { to_text(&m) });
     if let Some(path) = &args.difference {
         let picture = difference(&image, &reference);
-        let metadata = Metadata::default();
-        let window = Window::full(picture.width, picture.height);
-        let encoding = Encoding { metadata: &metadata, window, exposure: 0.0 };
-        output::write_image(path, &picture, &encoding).map_err(Failure::other)?;
+        output::write_image(path, &picture, &Metadata::default(), 0.0).map_err(Failure::other)?;
     }
     Ok(())
 }

@@ -6,26 +6,32 @@ use std::path::Path;
 use super::Failure;
 use crate::film::Image;
 use crate::integrator::Technique;
-use crate::output::{self, Encoding};
+use crate::output::{self, Metadata};
 
 /// Makes the folder, before the work starts.
 pub fn check(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
         .map_err(|e| Failure::usage(format!("{}: cannot make the pyramid's folder: {e}", folder.display())))?;
-    output::check_writable(&folder.join("s0_t2.exr")).map_err(Failure::usage)
+    output::check_writable(&folder.join("s0_t2.exr")).map_err(Failure::usage)?;
+    Ok(())
 }
 
 /// Writes `s{s}_t{t}.exr` and `.png` per technique, and `pyramid.png`: a row per path length from short to long,
 /// s growing to the right, each image scaled alike.
-pub fn write(folder: &Path, techniques: &BTreeMap<Technique, Image>, encoding: &Encoding<'_>) -> Result<(), Failure> {
+pub fn write(
+    folder: &Path,
+    techniques: &BTreeMap<Technique, Image>,
+    metadata: &Metadata,
+    exposure: f32,
+) -> Result<(), Failure> {
     for (t, image) in techniques {
         for extension in ["exr", "png"] {
             let path = folder.join(format!("s{}_t{}.{extension}", t.s, t.t));
-            output::write_image(&path, image, encoding).map_err(Failure::other)?;
+            output::write_image(&path, image, metadata, exposure).map_err(Failure::other)?;
         }
     }
     let Some(sheet) = sheet(techniques) else { return Ok(()) };
-    output::write_image(&folder.join("pyramid.png"), &sheet, &encoding.of_another_image(&sheet)).map_err(Failure::other)
+    output::write_image(&folder.join("pyramid.png"), &sheet, &Metadata::default(), exposure).map_err(Failure::other)
 }
 
 /// Largest side of one image on the sheet.

@@ -12,9 +12,9 @@ use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
 use crate::import::{self, ImportError};
 use crate::integrator::{Crop, Integrator, Settings};
-use crate::output::{self, Encoding, Metadata, Window};
+use crate::output::{self, Metadata, Window};
 use crate::render::{RenderJob, Rendered, render};
-use crate::scene::desc::{IntegratorKind, SceneDesc, scene_hash};
+use crate::scene::desc::{IntegratorKind, SceneDesc};
 use crate::scene::{Prepared, Scene, prepare};
 
 /// Reads a scene file.
@@ -78,7 +78,7 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
         output::check_writable(path).map_err(Failure::usage)?;
     }
     if let Some(path) = &args.stats {
-        output::check_folder(path).map_err(Failure::usage)?;
+        output::check_place(path).map_err(Failure::usage)?;
     }
     if let Some(folder) = &args.pyramid {
         pyramid::check(folder)?;
@@ -203,14 +203,11 @@ impl Run<'_> {
 
         let start = Instant::now();
         let metadata = self.metadata(&scene.accel.describe());
-        let [width, height] = self.desc.camera.resolution;
-        let window = Window { x: self.crop.x0, y: self.crop.y0, full_width: width, full_height: height };
-        let encoding = Encoding { metadata: &metadata, window, exposure: args.exposure };
         for path in &self.outputs {
-            output::write_image(path, &rendered.image, &encoding).map_err(Failure::other)?;
+            output::write_image(path, &rendered.image, &metadata, args.exposure).map_err(Failure::other)?;
         }
         if let Some(folder) = &args.pyramid {
-            pyramid::write(folder, &rendered.techniques, &encoding)?;
+            pyramid::write(folder, &rendered.techniques, &metadata, args.exposure)?;
         }
         phases.write = start.elapsed();
         if let Some(path) = &args.stats {
@@ -224,25 +221,31 @@ impl Run<'_> {
     /// What made the image, and only what the same command makes again: nothing that varies from run to run.
     fn metadata(&self, accel: &str) -> Metadata {
         let s = &self.settings;
-        let mut m = Metadata::default();
-        m.set("software", format!("twinlight {}", env!("CARGO_PKG_VERSION")));
-        m.set("twinlight:git", env!("TWINLIGHT_GIT_HASH"));
-        m.set("twinlight:scene", format!("{:032x}", scene_hash(self.desc)));
-        m.set("twinlight:spp", self.desc.samples.to_string());
-        m.set("twinlight:seed", s.seed.to_string());
-        m.set("twinlight:sampler", format!("{:?}", s.sampler).to_lowercase());
-        m.set("twinlight:integrator", format!("{:?}", s.integrator).to_lowercase());
-        m.set("twinlight:heuristic", format!("{:?}", s.heuristic).to_lowercase());
-        m.set("twinlight:max_bounces", s.max_bounces.to_string());
-        m.set("twinlight:roulette", s.roulette.to_string());
-        m.set("twinlight:light_paths", s.light_paths.to_string());
-        m.set("twinlight:connections", s.connections.to_string());
+        let resolution = self.desc.camera.resolution;
+        let lower = |x: &dyn std::fmt::Debug| format!("{x:?}").to_lowercase();
+        let mut attributes = vec![
+            ("twinlight:version", env!("CARGO_PKG_VERSION").into()),
+            ("twinlight:git", env!("TWINLIGHT_GIT_HASH").into()),
+            ("twinlight:scene", format!("{:032x}", self.desc.fingerprint)),
+            ("twinlight:spp", self.desc.samples.to_string()),
+            ("twinlight:seed", s.seed.to_string()),
+            ("twinlight:sampler", lower(&s.sampler)),
+            ("twinlight:integrator", lower(&s.integrator)),
+            ("twinlight:heuristic", lower(&s.heuristic)),
+            ("twinlight:max_bounces", s.max_bounces.to_string()),
+            ("twinlight:roulette", s.roulette.to_string()),
+            ("twinlight:light_paths", s.light_paths.to_string()),
+            ("twinlight:connections", s.connections.to_string()),
+            ("twinlight:accel", accel.into()),
+        ];
         if let Some(t) = s.only {
             let weights = if s.weighted { "weighted" } else { "unweighted" };
-            m.set("twinlight:technique", format!("{},{} {weights}", t.s, t.t));
+            attributes.push(("twinlight:technique", format!("{},{} {weights}", t.s, t.t)));
         }
-        m.set("twinlight:accel", accel);
-        m
+        let window = (self.crop != Crop::full(resolution))
+            .then_some(Window { full: resolution, origin: [self.crop.x0, self.crop.y0] });
+        let attributes = attributes.into_iter().map(|(k, v)| (k.to_string(), v)).collect();
+        Metadata { attributes, window, ..Metadata::default() }
     }
 
     fn summary(&self, rendered: &Rendered, phases: &stats::Phases) {

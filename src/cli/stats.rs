@@ -5,7 +5,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use crate::render::{RenderJob, Rendered};
-use crate::scene::desc::{SceneDesc, scene_hash};
+use crate::scene::desc::SceneDesc;
 
 /// Wall time by phase.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,7 +42,7 @@ pub fn json(job: &RenderJob, desc: &SceneDesc, accel: &str, rendered: &Rendered,
         .map(|r| json!({"pixel": r.pixel, "sample": r.sample, "technique": [r.technique.s, r.technique.t]}))
         .collect();
     json!({
-        "scene": format!("{:032x}", scene_hash(desc)),
+        "scene": format!("{:032x}", desc.fingerprint),
         "version": env!("CARGO_PKG_VERSION"),
         "git": env!("TWINLIGHT_GIT_HASH"),
         "accel": accel,

@@ -6,6 +6,7 @@
 
 mod camera;
 mod context;
+mod fingerprint;
 mod inline_mesh;
 mod json;
 mod lights;

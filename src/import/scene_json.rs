@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use super::context::{Context, Object};
+use super::fingerprint::fingerprint;
 use super::json::Document;
 use crate::scene::desc::{SceneDesc, SceneError};
 
@@ -32,7 +33,8 @@ pub(super) fn read(text: &str, file: &str, base_dir: &Path) -> Result<SceneDesc,
     let notes = context.finish()?;
     // Without diagnostics every part is there; saying so beats trusting it.
     let scene = scene.ok_or_else(|| SceneError::one(root_place, "the scene is incomplete"))?;
-    Ok(SceneDesc { notes, ..scene })
+    let fingerprint = fingerprint(text, &scene.surfaces);
+    Ok(SceneDesc { notes, fingerprint, ..scene })
 }
 
 fn read_scene<'a>(context: &mut Context<'a>, root: &Object<'a>) -> Option<SceneDesc> {
@@ -54,5 +56,6 @@ fn read_scene<'a>(context: &mut Context<'a>, root: &Object<'a>) -> Option<SceneD
         materials: materials.into_all()?,
         surfaces,
         notes: Vec::new(),
+        fingerprint: 0,
     })
 }

@@ -12,11 +12,11 @@ use crate::scene::desc::Heuristic;
 /// Sampler dimensions: the film takes number 0, each bounce a block.
 pub(super) mod dimensions {
     pub const BLOCK: u32 = 6;
+    /// Followed by the choice of a lobe.
     pub const DIRECTION: u32 = 1;
-    pub const LOBE: u32 = 2;
     pub const ROULETTE: u32 = 3;
+    /// Followed by the choice of a part of the light.
     pub const LIGHT_CHOICE: u32 = 4;
-    pub const LIGHT_PART: u32 = 5;
     pub const LIGHT_POINT: u32 = 6;
 }
 

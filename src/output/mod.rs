@@ -14,6 +14,8 @@ pub use exr::write_exr;
 pub use png::{srgb_decode, srgb_encode, write_png};
 pub use read::read_image;
 
+use crate::film::Image;
+
 /// The largest image that is read or written, in pixels: 3 GB of it in memory.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
@@ -94,6 +96,17 @@ impl Format {
     }
 }
 
+/// Writes an image in the format its extension names; `exposure` (stops) brightens a PNG, `metadata` goes into an EXR.
+///
+/// # Errors
+/// An unknown extension, or whatever keeps the file from being written whole; nothing is left behind then.
+pub fn write_image(path: &Path, image: &Image, metadata: &Metadata, exposure: f32) -> Result<(), OutputError> {
+    match Format::of(path)? {
+        Format::Exr => write_exr(path, image, metadata),
+        Format::Png => write_png(path, image, exposure),
+    }
+}
+
 /// Checks, before the time for a render is spent, that its result can be written. Leaves nothing behind.
 ///
 /// # Errors
@@ -101,6 +114,15 @@ impl Format {
 /// file's place.
 pub fn check_writable(path: &Path) -> Result<Format, OutputError> {
     let format = Format::of(path)?;
+    check_place(path)?;
+    Ok(format)
+}
+
+/// `check_writable` for a file of any kind.
+///
+/// # Errors
+/// As there, but for the extension.
+pub fn check_place(path: &Path) -> Result<(), OutputError> {
     let error = |why: String| Err(OutputError::new("write", path, why));
     if let Ok(there) = fs::metadata(path) {
         if there.is_dir() {
@@ -127,7 +149,7 @@ pub fn check_writable(path: &Path) -> Result<Format, OutputError> {
         Ok(_) => {
             // It was empty; should its removal fail, writing will, too, and say so.
             let _ = fs::remove_file(&trial);
-            Ok(format)
+            Ok(())
         }
         Err(e) => error(format!(
             "no file can be created in `{}` ({e}); check its permissions and the free space, or choose another folder",

@@ -24,6 +24,8 @@ pub struct SceneDesc {
     pub surfaces: Vec<SurfaceDesc>,
     /// What the reader should know but need not mend, for example a sampler read as another.
     pub notes: Vec<String>,
+    /// Changes with the file's text and the content of its meshes, and with nothing else.
+    pub fingerprint: u128,
 }
 
 /// The camera: looks down its local −z, y up.

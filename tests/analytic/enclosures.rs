@@ -1,0 +1,113 @@
+//! Closed rooms of known radiance: the furnace and the integrating sphere.
+
+use std::f64::consts::PI;
+
+use serde_json::json;
+use twinlight::film::Image;
+use twinlight::integrator::{Integrator, Settings};
+use twinlight::math::DVec3;
+
+use crate::common::{
+    Bounds, Budget, View, assert_closed, combined, diffuse, expect_colored, images, point, scene, scene_json, settings,
+    shining_diffuse, sphere,
+};
+
+/// From beside the centre of the unit sphere, towards its far side.
+fn inside(resolution: [u32; 2]) -> View {
+    View {
+        from: DVec3::new(0.3, 0.2, -0.4),
+        at: DVec3::new(-0.5, 0.1, 0.6),
+        up: DVec3::Y,
+        vfov: 100.0,
+        resolution,
+    }
+}
+
+const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Light, Integrator::Bdpt];
+
+#[test]
+fn the_furnace_bounce_by_bounce() {
+    let (emitted, albedo) = ([1.0, 0.5, 2.0], [0.8, 0.5, 0.2]);
+    let view = inside([8, 8]);
+    let walls = sphere(DVec3::ZERO, 1.0, true, shining_diffuse(emitted.to_vec(), albedo.to_vec()));
+    let scene = scene(&scene_json(view.json(), vec![walls], vec![]));
+    for (n, integrator) in INTEGRATORS.into_iter().enumerate() {
+        let samples = if integrator == Integrator::Light { 1024 } else { 256 };
+        let budget = Budget::new(samples, 300 + n as u64);
+        // The same seeds make the same paths, so that the difference of two limits is one bounce's own image.
+        let up_to: Vec<Vec<Image>> = (0..=4)
+            .map(|bounces| images(&scene, Settings { roulette: false, ..settings(integrator, bounces) }, budget))
+            .collect();
+        for k in 0..=4_usize {
+            let one: Vec<Image> = match k {
+                0 => up_to[0].clone(),
+                _ => up_to[k].iter().zip(&up_to[k - 1]).map(|(a, b)| combined(a, b, -1.0)).collect(),
+            };
+            let color = [0, 1, 2].map(|c| emitted[c] * f64::powi(albedo[c], k as i32));
+            let bounds = Bounds { grid: [2, 2], tile: 0.02, mean: 0.005 };
+            let what = format!("furnace, bounce {k}, {integrator:?}");
+            assert_closed(&what, &one, &expect_colored(&[1.0; 4], color), bounds);
+        }
+        let total = [0, 1, 2].map(|c| emitted[c] * (1.0 - f64::powi(albedo[c], 5)) / (1.0 - albedo[c]));
+        let bounds = Bounds { grid: [2, 2], tile: 0.01, mean: 0.005 };
+        assert_closed(&format!("furnace, {integrator:?}"), &up_to[4], &expect_colored(&[1.0; 4], total), bounds);
+    }
+}
+
+/// The unit sphere of Kd ½ with a point light of I = π at its centre: ρI/(πR²(1−ρ)) = 1 everywhere.
+fn integrating_sphere(view: &View) -> serde_json::Value {
+    let light = json!({ "type": "point", "position": point(DVec3::ZERO), "intensity": PI });
+    scene_json(view.json(), vec![sphere(DVec3::ZERO, 1.0, true, diffuse(0.5))], vec![light])
+}
+
+/// The unit sphere that shines ½ and reflects ½: ½/(1−½) = 1 everywhere.
+fn shining_sphere(view: &View) -> serde_json::Value {
+    scene_json(view.json(), vec![sphere(DVec3::ZERO, 1.0, true, shining_diffuse(0.5, 0.5))], vec![])
+}
+
+/// Demands a radiance of 1 ± 0.002 in every tile. Without roulette the series is cut at `bounces`, which is known.
+fn is_one(what: &str, json: &serde_json::Value, settings: Settings, samples: u32, grid: [u32; 2], seed: u64) {
+    let missing = if settings.roulette { 0.0 } else { 0.5_f64.powi(settings.max_bounces as i32) };
+    let shines = json["lights"].as_array().is_none_or(Vec::is_empty);
+    // A point light's series starts with the first bounce, a shining wall's with none.
+    let expected = 1.0 - if shines { 0.5 * missing } else { missing };
+    let tiles = (grid[0] * grid[1]) as usize;
+    let images = images(&scene(json), settings, Budget::new(samples, seed));
+    let bounds = Bounds { grid, tile: 0.002, mean: 0.002 };
+    assert_closed(what, &images, &expect_colored(&vec![expected; tiles], [1.0; 3]), bounds);
+}
+
+/// The point light at the centre lights all of the wall alike, so that every bounce of the path tracer adds exactly its
+/// share, and no bounce less than all 64 can hide.
+#[test]
+fn the_integrating_sphere_without_variance() {
+    let view = inside([8, 8]);
+    let path = Settings { roulette: false, ..settings(Integrator::Path, 64) };
+    is_one("integrating sphere, path, 64 bounces", &integrating_sphere(&view), path, 4, [8, 8], 310);
+}
+
+#[test]
+fn the_integrating_sphere_is_one_in_every_tile() {
+    let view = inside([4, 4]);
+    for (n, integrator) in INTEGRATORS.into_iter().enumerate() {
+        let settings = Settings { roulette: false, ..settings(integrator, 10) };
+        let samples = if integrator == Integrator::Bdpt { 2048 } else { 4096 };
+        let what = format!("integrating sphere, {integrator:?}");
+        is_one(&what, &integrating_sphere(&view), settings, samples, [2, 2], 320 + n as u64);
+        let what = format!("shining sphere, {integrator:?}");
+        is_one(&what, &shining_sphere(&view), settings, samples, [2, 2], 330 + n as u64);
+    }
+}
+
+#[test]
+#[ignore = "deep"]
+fn the_integrating_sphere_is_one_in_sixteen_tiles_with_roulette() {
+    let view = inside([16, 16]);
+    for (n, integrator) in INTEGRATORS.into_iter().enumerate() {
+        let settings = settings(integrator, 64);
+        let what = format!("integrating sphere with roulette, {integrator:?}");
+        is_one(&what, &integrating_sphere(&view), settings, 16384, [4, 4], 340 + n as u64);
+        let what = format!("shining sphere with roulette, {integrator:?}");
+        is_one(&what, &shining_sphere(&view), settings, 16384, [4, 4], 350 + n as u64);
+    }
+}

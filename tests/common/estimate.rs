@@ -1,0 +1,178 @@
+//! The two-sided assertions.
+
+use twinlight::compare::stats::{Moments, Welch, sidak, student_t_quantile, student_t_two_sided};
+use twinlight::film::Image;
+
+/// Level of a whole family of tests: the chance that one assertion fails for nothing when its seeds are drawn.
+const ALPHA: f64 = 1e-4;
+
+/// Confidence of the intervals that must lie inside the bounds.
+const CONFIDENCE: f64 = 0.99;
+
+/// Relative differences below this are rounding: a few dozen f32 operations make a contribution, and where the
+/// sampling error vanishes (a point light seen through a small pixel) they are all there is to see.
+const ROUNDING: f64 = 5e-6;
+
+/// What to look at, and how small the difference must be proven to be.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Columns and rows of tiles.
+    pub grid: [u32; 2],
+    /// Bound of the bias in every tile, relative to the expected value there; with `assert_same` relative to the
+    /// image's mean, for tiles may be dark.
+    pub tile: f64,
+    /// Bound of the bias of the whole image's mean, relative.
+    pub mean: f64,
+}
+
+/// Means over the tiles of a grid: channel fastest, then column, then row.
+fn tile_means(image: &Image, [columns, rows]: [u32; 2]) -> Vec<f64> {
+    assert!(image.width % columns == 0 && image.height % rows == 0, "tiles of unequal size");
+    let (tw, th) = (image.width / columns, image.height / rows);
+    let mut sums = vec![0.0; (columns * rows * 3) as usize];
+    for y in 0..image.height {
+        for x in 0..image.width {
+            let first = ((y / th * columns + x / tw) * 3) as usize;
+            for (sum, v) in sums[first..first + 3].iter_mut().zip(image.get(x, y)) {
+                *sum += f64::from(v) / f64::from(tw * th);
+            }
+        }
+    }
+    sums
+}
+
+/// The moments of each tile's means over independent images.
+fn tile_moments(images: &[Image], grid: [u32; 2]) -> Vec<Moments> {
+    let mut moments = vec![Moments::default(); (grid[0] * grid[1] * 3) as usize];
+    for image in images {
+        for (m, x) in moments.iter_mut().zip(tile_means(image, grid)) {
+            m.push(x);
+        }
+    }
+    moments
+}
+
+/// Grey values per tile, times a colour.
+pub fn expect_colored(grey: &[f64], color: [f64; 3]) -> Vec<f64> {
+    grey.iter().flat_map(|g| color.map(|c| g * c)).collect()
+}
+
+/// What a family of tests has come to.
+#[derive(Debug)]
+struct Family {
+    /// Smallest p-value.
+    p: f64,
+    /// Largest |bias| and the farthest end of an interval, relative.
+    bias: f64,
+    reach: f64,
+    /// In words, what is wrong.
+    faults: Vec<String>,
+}
+
+impl Family {
+    fn new() -> Self {
+        Self { p: 1.0, bias: 0.0, reach: 0.0, faults: Vec::new() }
+    }
+
+    /// Judges one difference with its standard error and degrees of freedom; `unit` is what relative means here.
+    fn judge(&mut self, place: &str, difference: f64, error: f64, dof: f64, unit: f64, bound: f64, tests: usize) {
+        let excess = (difference.abs() - ROUNDING * unit).max(0.0);
+        let p = if error > 0.0 {
+            student_t_two_sided(excess / error, dof)
+        } else {
+            f64::from(u8::from(excess == 0.0))
+        };
+        let half = if error > 0.0 { student_t_quantile(0.5 + 0.5 * CONFIDENCE, dof) * error } else { 0.0 };
+        let reach = (difference.abs() + half) / unit;
+        self.p = self.p.min(p);
+        self.bias = self.bias.max(difference.abs() / unit);
+        self.reach = self.reach.max(reach);
+        // Negated, so that NaN fails.
+        if !(p >= sidak(ALPHA, tests as u64)) {
+            self.faults.push(format!("{place}: off by {:+.4} %, p = {p:.2e}", 100.0 * difference / unit));
+        }
+        if !(reach < bound) {
+            let (bias, half) = (100.0 * difference / unit, 100.0 * half / unit);
+            let bound = 100.0 * bound;
+            self.faults.push(format!("{place}: bias {bias:+.4} % ± {half:.4} % is not proven inside ±{bound} %"));
+        }
+    }
+
+    fn conclude(self, what: &str, scope: &str) {
+        eprintln!(
+            "{what}, {scope}: largest bias {:.4} %, intervals inside ±{:.4} %, smallest p {:.3}",
+            100.0 * self.bias,
+            100.0 * self.reach,
+            self.p
+        );
+        if std::env::var_os("KEEP").is_some() {
+            if !self.faults.is_empty() { eprintln!("FAULT {what}, {scope}:\n  {}", self.faults.join("\n  ")); }
+            return;
+        }
+        assert!(self.faults.is_empty(), "{what}, {scope}:\n  {}", self.faults.join("\n  "));
+    }
+}
+
+/// Demands that independent images have the expected values: `expected` per tile and channel (channel fastest).
+pub fn assert_closed(what: &str, images: &[Image], expected: &[f64], bounds: Bounds) {
+    let tiles = (bounds.grid[0] * bounds.grid[1]) as usize;
+    assert_eq!(expected.len(), 3 * tiles, "{what}: one expected value per tile and channel");
+    let whole: Vec<f64> =
+        (0..3).map(|c| expected.iter().skip(c).step_by(3).sum::<f64>() / tiles as f64).collect();
+    for (scope, grid, expected, bound) in
+        [("mean", [1, 1], whole.as_slice(), bounds.mean), ("tiles", bounds.grid, expected, bounds.tile)]
+    {
+        let mut family = Family::new();
+        for (i, (m, &e)) in tile_moments(images, grid).iter().zip(expected).enumerate() {
+            let place = format!("tile {} channel {}", i / 3, i % 3);
+            if e == 0.0 {
+                if m.mean() != 0.0 {
+                    family.faults.push(format!("{place}: {} where nothing is to be", m.mean()));
+                }
+                continue;
+            }
+            let error = (m.variance() / m.count() as f64).sqrt();
+            family.judge(&place, m.mean() - e, error, m.count() as f64 - 1.0, e, bound, expected.len());
+        }
+        family.conclude(what, scope);
+        if tiles == 1 {
+            break;
+        }
+    }
+}
+
+/// Demands that two sets of independent images have the same means, by Welch's test.
+pub fn assert_same(what: &str, a: &[Image], b: &[Image], bounds: Bounds) {
+    let means = tile_moments(b, [1, 1]);
+    for (scope, grid, bound) in [("mean", [1, 1], bounds.mean), ("tiles", bounds.grid, bounds.tile)] {
+        let mut family = Family::new();
+        let (ma, mb) = (tile_moments(a, grid), tile_moments(b, grid));
+        for (i, (x, y)) in ma.iter().zip(&mb).enumerate() {
+            let unit = means[i % 3].mean();
+            assert!(unit > 0.0, "{what}: channel {} is black; nothing is compared", i % 3);
+            let place = format!("tile {} channel {}", i / 3, i % 3);
+            let welch = Welch::new(x, y);
+            family.judge(&place, welch.difference, welch.error, welch.dof, unit, bound, ma.len());
+        }
+        family.conclude(what, scope);
+        if bounds.grid == [1, 1] {
+            break;
+        }
+    }
+}
+
+/// Moments over independent runs of the ratio of summed means of two lists of scenes, each normalised by its own mean:
+/// pools many scenes into one sharp statement about a common bias. `pairs` holds the images of both sides per scene.
+pub fn pooled_ratio(pairs: &[(Vec<Image>, Vec<Image>)]) -> Moments {
+    let mut pooled = Moments::default();
+    let runs = pairs.iter().map(|(a, b)| a.len().min(b.len())).min().unwrap_or(0);
+    let grey = |image: &Image| image.mean().iter().sum::<f64>();
+    // Normalised by a mean over all runs of the other side, which the run at hand hardly moves.
+    let scale: Vec<f64> = pairs.iter().map(|(_, b)| b.iter().map(&grey).sum::<f64>() / b.len() as f64).collect();
+    for run in 0..runs {
+        let sum: f64 =
+            pairs.iter().zip(&scale).map(|((a, b), s)| (grey(&a[run]) - grey(&b[run])) / s).sum();
+        pooled.push(sum / pairs.len() as f64);
+    }
+    pooled
+}
