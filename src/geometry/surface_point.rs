@@ -30,7 +30,20 @@ impl SurfacePoint {
     pub fn origin(&self, towards: Vec3) -> Vec3 {
         offset_origin(self.point, self.ng, towards)
     }
+
+    /// Where a segment that starts at `from` and leads to this point ends: just before the surface, as the traversal
+    /// sees it from `from`. Its error grows with the segment, which `origin` knows nothing of.
+    #[inline]
+    pub fn segment_end(&self, from: Vec3) -> Vec3 {
+        let back = from - self.point.p;
+        let error = self.point.error + back.abs() * gamma(SEGMENT_ROUNDINGS);
+        offset_origin(PointWithError { error, ..self.point }, self.ng, back)
+    }
 }
+
+/// Roundings relative to a segment's length that bound how far from its far end the traversal finds the surface: one
+/// for the direction `b − a`, the rest for vertices taken relative to the origin and for the distance along the ray.
+const SEGMENT_ROUNDINGS: u32 = 8;
 
 /// Roundings that bound the distance between a point interpolated from barycentrics and the plane the traversal
 /// intersects: 7 for the interpolation (Pharr et al. 2023, (6.26)), the rest for the traversal's own edge and plane

@@ -73,7 +73,7 @@ fn trace<A: Accel>(
 
     let cos = f64::from(start.point.cos(start.w).abs());
     let mut beta = start.le * (cos / (pdf_position * f64::from(start.pdf_direction.0))) as f32;
-    let mut roulette = Roulette::new(settings.roulette, beta);
+    let mut roulette = Roulette::new(settings.roulette, beta, Roulette::FREE_SUBPATH);
     let mut ray = Ray::new(start.point.origin(start.w), start.w);
     // Light vertices including the one being arrived at; s − 1 of them scatter when the camera is connected.
     let mut s = 2;

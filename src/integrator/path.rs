@@ -55,7 +55,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
 
     let mut ray = scene.camera.generate_ray(sample.pixel, sampler.next_2d()).ray;
     let mut beta = Rgb::ONE;
-    let mut roulette = Roulette::new(settings.roulette, beta);
+    let mut roulette = Roulette::new(settings.roulette, beta, Roulette::FREE_PATH);
     // Density per solid angle of the last sampled direction; `None` when next-event estimation could not have
     // made the edge: the camera's own, or one that left a delta lobe.
     let mut pdf_last: Option<f64> = None;
@@ -103,7 +103,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
                 let le = light.emitted(&y.point, -wi);
                 let value = if le == Rgb::ZERO { None } else { bsdf.eval(at, wo, wi, Transport::Radiance) };
                 if let Some(value) = value {
-                    let shadow = Ray::segment(at.origin(wi), y.point.origin(-wi));
+                    let shadow = Ray::segment(at.origin(wi), y.point.segment_end(at.p()));
                     recorder.rays.shadow += 1;
                     if !scene.accel.occluded(&shadow) {
                         let d2 = distance_squared(at.p(), p);

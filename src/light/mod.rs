@@ -67,6 +67,15 @@ impl LightPoint {
         }
     }
 
+    /// Where a segment from `from` to this point ends.
+    #[inline]
+    pub fn segment_end(&self, from: Vec3) -> Vec3 {
+        match self {
+            Self::Surface(s) => s.segment_end(from),
+            Self::Delta(p) => *p,
+        }
+    }
+
     /// The cosine that turns a solid angle at the other end into area here: 1 at a delta point, where the "area"
     /// is the point's unit mass.
     #[inline]
@@ -148,6 +157,10 @@ impl Light {
             }
             Self::Spot(l) => {
                 let (w, pdf) = l.sample_direction(u_direction);
+                // Rounding may carry the last direction of the rim out of the cone, where 0/0 would be its power.
+                if pdf.0 == 0.0 {
+                    return None;
+                }
                 Some(delta(l.position, w, l.emitted(w), pdf))
             }
         }

@@ -35,10 +35,10 @@ fn a_glass_ball_in_a_furnace_is_invisible() {
             for integrator in [Integrator::Path, Integrator::Bdpt] {
                 // Many bounces and no roulette: within black walls nothing is then left to chance.
                 let settings = Settings { roulette: reflecting, ..settings(integrator, 200) };
-                let samples = if reflecting { 128 } else { 16 };
+                let samples = if reflecting { 256 } else { 16 };
                 let images = images(&scene, settings, Budget::new(samples, 400 + 2 * n as u64 + m as u64));
-                let tile = if reflecting { 0.02 } else { 1e-4 };
-                let bounds = Bounds { grid: [2, 2], tile, mean: if reflecting { 0.005 } else { 1e-4 } };
+                let (tile, mean) = if reflecting { (0.02, 0.005) } else { (1e-4, 1e-4) };
+                let bounds = Bounds::new([2, 2], tile, mean);
                 let what = format!("ball of ior {ior:.3}, walls reflect: {reflecting}, {integrator:?}");
                 assert_closed(&what, &images, &expect_colored(&[1.0; 4], color), bounds);
             }
@@ -60,10 +60,10 @@ fn within_glass_the_furnace_is_n_squared_as_bright() {
             let color = emitted.map(|e| ior * ior * if reflecting { 2.0 * e } else { e });
             for integrator in [Integrator::Path, Integrator::Bdpt] {
                 let settings = Settings { roulette: reflecting, ..settings(integrator, 200) };
-                let samples = if reflecting { 128 } else { 16 };
+                let samples = if reflecting { 256 } else { 16 };
                 let images = images(&scene, settings, Budget::new(samples, 420 + 2 * n as u64 + m as u64));
-                let tile = if reflecting { 0.02 } else { 1e-4 };
-                let bounds = Bounds { grid: [2, 2], tile, mean: if reflecting { 0.005 } else { 1e-4 } };
+                let (tile, mean) = if reflecting { (0.02, 0.005) } else { (1e-4, 1e-4) };
+                let bounds = Bounds::new([2, 2], tile, mean);
                 let what = format!("inside glass of ior {ior}, walls reflect: {reflecting}, {integrator:?}");
                 assert_closed(&what, &images, &expect_colored(&[1.0; 4], color), bounds);
             }
@@ -96,8 +96,8 @@ fn a_slab_transmits_and_reflects_what_fresnels_formulas_say() {
         ];
         let scene = scene(&scene_json(view.json(), surfaces, vec![]));
         let settings = Settings { roulette: false, ..settings(Integrator::Path, 60) };
-        let images = images(&scene, settings, Budget::new(8192, 440 + n as u64));
-        let bounds = Bounds { grid: [1, 1], tile: 0.005, mean: 0.005 };
+        let images = images(&scene, settings, Budget::new(32768, 440 + n as u64));
+        let bounds = Bounds::of_mean(0.005);
         assert_closed(&format!("slab at {degrees}°"), &images, &expect_colored(&[transmitted], [1.0; 3]), bounds);
     }
 }
@@ -125,7 +125,7 @@ fn n_mirrors_reflect_to_the_nth_power() {
         for integrator in [Integrator::Path, Integrator::Bdpt] {
             let settings = Settings { roulette: false, ..settings(integrator, 16) };
             let images = images(&scene, settings, Budget { runs: 2, samples: 4, seed: 460 });
-            let bounds = Bounds { grid: [4, 4], tile: 1e-5, mean: 1e-5 };
+            let bounds = Bounds::new([4, 4], 2e-5, 2e-5);
             let expected = expect_colored(&[1.0; 16], color);
             if n == 0 && integrator == Integrator::Bdpt {
                 // Seen directly, the light is also what light subpaths show: there only the sum is exact on average.

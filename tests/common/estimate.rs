@@ -11,7 +11,7 @@ const CONFIDENCE: f64 = 0.99;
 
 /// Relative differences below this are rounding: a few dozen f32 operations make a contribution, and where the
 /// sampling error vanishes (a point light seen through a small pixel) they are all there is to see.
-const ROUNDING: f64 = 5e-6;
+const ROUNDING: f64 = 1e-5;
 
 /// What to look at, and how small the difference must be proven to be.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +23,20 @@ pub struct Bounds {
     pub tile: f64,
     /// Bound of the bias of the whole image's mean, relative.
     pub mean: f64,
+    /// Relative differences below this are not the estimator's: they are rounding, or the expected value's own error.
+    pub rounding: f64,
+}
+
+impl Bounds {
+    /// Bounds of the bias in each tile and of the mean.
+    pub fn new(grid: [u32; 2], tile: f64, mean: f64) -> Self {
+        Self { grid, tile, mean, rounding: ROUNDING }
+    }
+
+    /// A bound of the bias of the whole image's mean alone.
+    pub fn of_mean(mean: f64) -> Self {
+        Self::new([1, 1], mean, mean)
+    }
 }
 
 /// Means over the tiles of a grid: channel fastest, then column, then row.
@@ -67,16 +81,21 @@ struct Family {
     reach: f64,
     /// In words, what is wrong.
     faults: Vec<String>,
+    /// Level of each test, and what is rounding.
+    level: f64,
+    rounding: f64,
+    bound: f64,
 }
 
 impl Family {
-    fn new() -> Self {
-        Self { p: 1.0, bias: 0.0, reach: 0.0, faults: Vec::new() }
+    fn new(tests: usize, bound: f64, rounding: f64) -> Self {
+        let level = sidak(ALPHA, tests as u64);
+        Self { p: 1.0, bias: 0.0, reach: 0.0, faults: Vec::new(), level, rounding, bound }
     }
 
     /// Judges one difference with its standard error and degrees of freedom; `unit` is what relative means here.
-    fn judge(&mut self, place: &str, difference: f64, error: f64, dof: f64, unit: f64, bound: f64, tests: usize) {
-        let excess = (difference.abs() - ROUNDING * unit).max(0.0);
+    fn judge(&mut self, place: &str, difference: f64, error: f64, dof: f64, unit: f64) {
+        let excess = (difference.abs() - self.rounding * unit).max(0.0);
         let p = if error > 0.0 {
             student_t_two_sided(excess / error, dof)
         } else {
@@ -88,12 +107,12 @@ impl Family {
         self.bias = self.bias.max(difference.abs() / unit);
         self.reach = self.reach.max(reach);
         // Negated, so that NaN fails.
-        if !(p >= sidak(ALPHA, tests as u64)) {
+        if !(p >= self.level) {
             self.faults.push(format!("{place}: off by {:+.4} %, p = {p:.2e}", 100.0 * difference / unit));
         }
-        if !(reach < bound) {
+        if !(reach < self.bound) {
             let (bias, half) = (100.0 * difference / unit, 100.0 * half / unit);
-            let bound = 100.0 * bound;
+            let bound = 100.0 * self.bound;
             self.faults.push(format!("{place}: bias {bias:+.4} % ± {half:.4} % is not proven inside ±{bound} %"));
         }
     }
@@ -122,7 +141,7 @@ pub fn assert_closed(what: &str, images: &[Image], expected: &[f64], bounds: Bou
     for (scope, grid, expected, bound) in
         [("mean", [1, 1], whole.as_slice(), bounds.mean), ("tiles", bounds.grid, expected, bounds.tile)]
     {
-        let mut family = Family::new();
+        let mut family = Family::new(expected.len(), bound, bounds.rounding);
         for (i, (m, &e)) in tile_moments(images, grid).iter().zip(expected).enumerate() {
             let place = format!("tile {} channel {}", i / 3, i % 3);
             if e == 0.0 {
@@ -132,7 +151,7 @@ pub fn assert_closed(what: &str, images: &[Image], expected: &[f64], bounds: Bou
                 continue;
             }
             let error = (m.variance() / m.count() as f64).sqrt();
-            family.judge(&place, m.mean() - e, error, m.count() as f64 - 1.0, e, bound, expected.len());
+            family.judge(&place, m.mean() - e, error, m.count() as f64 - 1.0, e);
         }
         family.conclude(what, scope);
         if tiles == 1 {
@@ -145,14 +164,14 @@ pub fn assert_closed(what: &str, images: &[Image], expected: &[f64], bounds: Bou
 pub fn assert_same(what: &str, a: &[Image], b: &[Image], bounds: Bounds) {
     let means = tile_moments(b, [1, 1]);
     for (scope, grid, bound) in [("mean", [1, 1], bounds.mean), ("tiles", bounds.grid, bounds.tile)] {
-        let mut family = Family::new();
         let (ma, mb) = (tile_moments(a, grid), tile_moments(b, grid));
+        let mut family = Family::new(ma.len(), bound, bounds.rounding);
         for (i, (x, y)) in ma.iter().zip(&mb).enumerate() {
             let unit = means[i % 3].mean();
             assert!(unit > 0.0, "{what}: channel {} is black; nothing is compared", i % 3);
             let place = format!("tile {} channel {}", i / 3, i % 3);
             let welch = Welch::new(x, y);
-            family.judge(&place, welch.difference, welch.error, welch.dof, unit, bound, ma.len());
+            family.judge(&place, welch.difference, welch.error, welch.dof, unit);
         }
         family.conclude(what, scope);
         if bounds.grid == [1, 1] {

@@ -94,7 +94,7 @@ impl Bdpt {
         let Some(value) = self.evaluate_next_event(scene, light, &y.point, pdf_direct, pmf.0, z) else { return };
         let wi = y.point.p() - z.at.p();
         recorder.rays.shadow += 1;
-        if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.point.origin(-wi))) {
+        if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.point.segment_end(z.at.p()))) {
             recorder.add(1, z.number, value);
         }
     }
@@ -142,7 +142,7 @@ impl Bdpt {
             let Some(value) = self.evaluate_connection(y, z) else { continue };
             let wi = y.at.p() - z.at.p();
             recorder.rays.connection += 1;
-            if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.at.origin(-wi))) {
+            if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()))) {
                 recorder.add(y.number, z.number, value);
             }
         }

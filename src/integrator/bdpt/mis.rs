@@ -60,6 +60,13 @@ pub struct Departure {
     pub delta: bool,
 }
 
+/// Keeps a sum finite; a NaN passes, for the gate before the film to see.
+#[inline(always)]
+fn saturate(x: f64) -> f64 {
+    // Not `f64::min`, which would turn a NaN into the bound.
+    if x > SATURATION { SATURATION } else { x }
+}
+
 impl Mis {
     /// For the given heuristic and sample counts.
     pub fn new(heuristic: Heuristic, weighted: bool, connections: f64, light_paths: f64) -> Self {
@@ -84,40 +91,41 @@ impl Mis {
     /// `connectible` is false across an index-matched window.
     #[inline(always)]
     pub fn arrive(&self, from: &Departure, d2: f64, cos: f64, connectible: bool) -> Partial {
-        let p_over_d2 = from.pdf_fwd * cos;
+        // p·d²: the density per area with its 1/d² left out, so that d² cancels in `earlier`.
+        let p_d2 = from.pdf_fwd * cos;
         let earlier = if from.delta {
             // Neither of the edges at a delta vertex can be a connection: only what came before remains.
-            self.h(from.cos * from.pdf_rev / p_over_d2) * from.partial.earlier
+            self.h(from.cos * from.pdf_rev / p_d2) * from.partial.earlier
         } else {
             let inner = from.count * from.partial.direct + from.partial.earlier * self.h(from.pdf_rev);
-            self.h(from.cos / p_over_d2) * inner.min(SATURATION)
+            self.h(from.cos / p_d2) * saturate(inner)
         };
-        let direct = if from.delta || !connectible { 0.0 } else { self.h(d2 / p_over_d2) };
-        Partial { direct: direct.min(SATURATION), earlier: earlier.min(SATURATION) }
+        let direct = if from.delta || !connectible { 0.0 } else { self.h(d2 / p_d2) };
+        Partial { direct: saturate(direct), earlier: saturate(earlier) }
     }
 
     /// The sums at the first surface a light reaches. `ratio` is p_direct/p_emit of the light vertex (area measure);
     /// `cos_light`, zero for a delta light, belongs to technique 0, hitting the light by chance.
     #[inline(always)]
     pub fn arrive_from_light(&self, start: &LightStart, d2: f64, cos: f64, connectible: bool) -> Partial {
-        let p_over_d2 = start.pdf_direction * cos;
-        let direct = if connectible { self.h(start.direct_over_emission * d2 / p_over_d2) } else { 0.0 };
-        let earlier = self.h(start.cos / (start.pdf_position * p_over_d2));
-        Partial { direct: direct.min(SATURATION), earlier: earlier.min(SATURATION) }
+        let p_d2 = start.pdf_direction * cos;
+        let direct = if connectible { self.h(start.direct_over_emission * d2 / p_d2) } else { 0.0 };
+        let earlier = self.h(start.cos / (start.pdf_position * p_d2));
+        Partial { direct: saturate(direct), earlier: saturate(earlier) }
     }
 
     /// The sums at the first surface the camera sees, reached with the density `pdf_direction`.
     #[inline(always)]
     pub fn arrive_from_camera(&self, pdf_direction: f64, d2: f64, cos: f64, connectible: bool) -> Partial {
         let direct = if connectible { self.h(d2 / (pdf_direction * cos)) } else { 0.0 };
-        Partial { direct: direct.min(SATURATION), earlier: 0.0 }
+        Partial { direct: saturate(direct), earlier: 0.0 }
     }
 
     /// What the subpath that ends at a vertex adds, but for the factor `h` of the vertex's density from the other
     /// side: `h(n) direct + earlier h(q)`.
     #[inline(always)]
     pub fn behind(&self, partial: &Partial, count: f64, pdf_rev: f64) -> f64 {
-        (count * partial.direct + partial.earlier * self.h(pdf_rev)).min(SATURATION)
+        saturate(count * partial.direct + partial.earlier * self.h(pdf_rev))
     }
 
     /// The weight of a technique whose alternatives sum to `others` (relative to its own `h(n p)`).
