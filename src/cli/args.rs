@@ -11,8 +11,12 @@ use crate::scene::desc::{Heuristic, IntegratorKind};
 
 /// Bidirectional path tracing with multiple importance sampling, on the CPU.
 #[derive(Debug, Parser)]
-#[command(version, max_term_width = 110, after_help = "Exit status: 0 done, 2 usage, 65 bad scene or asset, \
-    70 non-finite contributions seen (image written), 1 anything else.")]
+#[command(
+    version,
+    max_term_width = 110,
+    after_help = "Exit status: 0 done, 2 usage, 65 bad scene or asset, \
+    70 non-finite contributions seen (image written), 1 anything else."
+)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -51,7 +55,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
     /// Seed of everything random [default: the scene's]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed)]
     pub seed: Option<u64>,
     /// Largest number of scattering events on a path; 0 is emitted light only, 1 direct light [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
@@ -69,7 +73,7 @@ pub struct RenderArgs {
     #[arg(short, long)]
     pub quiet: bool,
     /// Stops by which PNG images are brightened
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     pub exposure: f32,
     /// How techniques share a path [default: the scene's]
     #[arg(long, value_name = "X")]
@@ -80,6 +84,9 @@ pub struct RenderArgs {
     /// Never end paths at random before --max-bounces
     #[arg(long)]
     pub no_roulette: bool,
+    /// Let the first N scatterings of a subpath be free of roulette [default: 3 for path, 2 for bdpt and light]
+    #[arg(long, value_name = "N", conflicts_with = "no_roulette")]
+    pub roulette_after: Option<u32>,
     /// Light subpaths per camera sample (bdpt, light); 0 turns bdpt into path tracing
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=1024))]
     pub light_paths: u32,
@@ -130,7 +137,7 @@ pub struct ConvertArgs {
     /// Image to write (.exr, .png)
     pub output: PathBuf,
     /// Stops by which a PNG is brightened
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     pub exposure: f32,
 }
 
@@ -198,6 +205,19 @@ impl AccelArg {
     const DEFAULT: &'static str = if cfg!(feature = "embree") { "embree" } else { "bvh" };
 }
 
+/// A seed; the standard library's own message would not say what is allowed.
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("write it as a whole number from 0 to {}", u64::MAX))
+}
+
+/// An exposure: a number of stops.
+fn stops(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(stops) if (-100.0..=100.0).contains(&stops) => Ok(stops),
+        _ => Err("write it as a number of stops from -100 to 100, for example 1.5".into()),
+    }
+}
+
 /// `WxH`.
 #[derive(Clone, Copy, Debug)]
 pub struct Size(pub [u32; 2]);
@@ -207,7 +227,9 @@ impl FromStr for Size {
     fn from_str(s: &str) -> Result<Self, String> {
         let parsed = s.split_once(['x', 'X', '×']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
         match parsed {
-            Some([w, h]) if w > 0 && h > 0 && w <= 1 << 16 && h <= 1 << 16 && u64::from(w) * u64::from(h) <= 1 << 28 => {
+            Some([w, h])
+                if w > 0 && h > 0 && w <= 1 << 16 && h <= 1 << 16 && u64::from(w) * u64::from(h) <= 1 << 28 =>
+            {
                 Ok(Self([w, h]))
             }
             Some(_) => Err("each side must be 1 to 65536 pixels, the area at most 268435456".into()),

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::args::CompareArgs;
-use super::{Failure, print, status};
+use super::{Failure, print, same_file, status};
 use crate::compare::{Metrics, metrics};
 use crate::film::Image;
 use crate::output::{self, Metadata};
@@ -11,6 +11,12 @@ use crate::output::{self, Metadata};
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(path) = &args.difference {
         output::check_writable(path).map_err(Failure::usage)?;
+        if same_file(path, &args.image) || same_file(path, &args.reference) {
+            return Err(Failure::usage(format!(
+                "{}: this is an image to compare; choose another name",
+                path.display()
+            )));
+        }
     }
     let read = |path| output::read_image(path).map_err(|e| Failure::new(status::DATA, e));
     let (image, reference) = (read(&args.image)?, read(&args.reference)?);

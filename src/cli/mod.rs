@@ -10,6 +10,8 @@ mod render;
 mod stats;
 
 use std::fmt::Display;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -61,7 +63,7 @@ pub fn run() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             for line in failure.message.lines() {
-                eprintln!("twinlight: {line}");
+                tell(&format!("twinlight: {line}\n"));
             }
             ExitCode::from(failure.status)
         }
@@ -70,7 +72,22 @@ pub fn run() -> ExitCode {
 
 /// Prints to standard output; a reader that has gone away (a closed pipe) is no error of ours.
 fn print(text: &str) {
-    use std::io::Write;
     let mut out = std::io::stdout().lock();
     let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// Prints to standard error. `eprint!` would panic where nobody reads it, and lose the image with it.
+fn tell(text: &str) {
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Whether two paths lead to one file, which need not be there yet.
+fn same_file(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| -> Option<PathBuf> {
+        path.canonicalize().ok().or_else(|| {
+            let folder = path.parent().filter(|p| *p != Path::new("")).unwrap_or(Path::new("."));
+            Some(folder.canonicalize().ok()?.join(path.file_name()?))
+        })
+    };
+    matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
 }

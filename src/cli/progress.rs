@@ -1,6 +1,6 @@
 //! Progress on standard error: a bar on a terminal, plain lines elsewhere.
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::sync::Mutex;
 
 use crate::render::Progress;
@@ -48,20 +48,18 @@ impl Reporter {
         }
         *last = p.seconds;
         let text = describe(p, self.spp);
-        let mut err = std::io::stderr().lock();
-        let _ = if self.mode == Mode::Terminal {
-            let filled = (30.0 * p.done as f64 / p.total as f64) as usize;
-            write!(err, "\r\x1b[K[{}{}] {text}", "#".repeat(filled), ".".repeat(30 - filled.min(30)))
+        if self.mode == Mode::Terminal {
+            let filled = ((30.0 * p.done as f64 / p.total as f64) as usize).min(30);
+            super::tell(&format!("\r\x1b[K[{}{}] {text}", "#".repeat(filled), ".".repeat(30 - filled)));
         } else {
-            writeln!(err, "{text}")
-        };
-        let _ = err.flush();
+            super::tell(&format!("{text}\n"));
+        }
     }
 
     /// Clears the bar.
     pub fn finish(&self) {
         if self.mode == Mode::Terminal {
-            eprint!("\r\x1b[K");
+            super::tell("\r\x1b[K");
         }
     }
 }

@@ -8,22 +8,23 @@ use crate::film::Image;
 use crate::integrator::Technique;
 use crate::output::{self, Metadata};
 
-/// Makes the folder, before the work starts.
+/// Checks, before the work starts, that the folder can be made and written to. Leaves nothing behind: the scene may
+/// yet turn out to be bad.
 pub fn check(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder)
-        .map_err(|e| Failure::usage(format!("{}: cannot make the pyramid's folder: {e}", folder.display())))?;
-    output::check_writable(&folder.join("s0_t2.exr")).map_err(Failure::usage)?;
-    Ok(())
+    let there = folder.ancestors().find(|f| f.exists()).unwrap_or(Path::new("."));
+    output::check_place(&there.join("s0_t2.exr")).map_err(|e| Failure::usage(format!("--pyramid: {e}")))
 }
 
-/// Writes `s{s}_t{t}.exr` and `.png` per technique, and `pyramid.png`: a row per path length from short to long,
-/// s growing to the right, each image scaled alike.
+/// Makes the folder and writes `s{s}_t{t}.exr` and `.png` per technique, and `pyramid.png`: a row per path length from
+/// short to long, s growing to the right, each image scaled alike.
 pub fn write(
     folder: &Path,
     techniques: &BTreeMap<Technique, Image>,
     metadata: &Metadata,
     exposure: f32,
 ) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Failure::other(format!("{}: cannot make the pyramid's folder: {e}", folder.display())))?;
     for (t, image) in techniques {
         for extension in ["exr", "png"] {
             let path = folder.join(format!("s{}_t{}.{extension}", t.s, t.t));

@@ -5,13 +5,13 @@ use std::time::Instant;
 
 use super::args::{AccelArg, RenderArgs, Size};
 use super::progress::{Reporter, duration};
-use super::{Failure, pyramid, stats, status};
+use super::{Failure, pyramid, same_file, stats, status, tell};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
 use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
 use crate::import::{self, ImportError};
-use crate::integrator::{Crop, Integrator, Settings};
+use crate::integrator::{Crop, Integrator, Settings, Technique};
 use crate::output::{self, Metadata, Window};
 use crate::render::{RenderJob, Rendered, render};
 use crate::scene::desc::{IntegratorKind, SceneDesc};
@@ -35,15 +35,16 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     phases.parse = start.elapsed();
     let crop = crop(args, desc.camera.resolution)?;
     let settings = settings(&desc, args)?;
+
+    let start = Instant::now();
+    let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
+    // A scene that turns out to be bad is told about its errors alone.
     for note in &desc.notes {
         say(args, note);
     }
     if desc.integrator.kind == IntegratorKind::Auto {
         say(args, "integrator auto means bdpt for now");
     }
-
-    let start = Instant::now();
-    let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
     for warning in &prepared.warnings {
         say(args, &format!("warning: {warning}"));
     }
@@ -57,7 +58,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
 
 fn say(args: &RenderArgs, text: &str) {
     if !args.quiet {
-        eprintln!("{text}");
+        tell(&format!("{text}\n"));
     }
 }
 
@@ -66,12 +67,19 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
     let mut outputs = args.output.clone();
     // A pyramid or a technique's study still writes the image itself: it is the sum of the others.
     if outputs.is_empty() {
-        let name = args.scene.file_stem().unwrap_or(args.scene.as_os_str());
-        outputs.push(PathBuf::from(name).with_extension("exr"));
+        // Appended: `with_extension` would make `room.exr` of `room.v2.json`.
+        let mut name = args.scene.file_stem().unwrap_or(args.scene.as_os_str()).to_owned();
+        name.push(".exr");
+        outputs.push(name.into());
     }
-    for path in outputs.iter().chain(&args.stats) {
+    let all: Vec<&PathBuf> = outputs.iter().chain(&args.stats).collect();
+    for (i, path) in all.iter().enumerate() {
+        let path_is = |what: &str| Err(Failure::usage(format!("{}: {what}; choose another name", path.display())));
         if same_file(path, &args.scene) {
-            return Err(Failure::usage(format!("{}: this is the scene itself; choose another name", path.display())));
+            return path_is("this is the scene itself");
+        }
+        if all[..i].iter().any(|other| same_file(path, other)) {
+            return path_is("two outputs would be written to this file");
         }
     }
     for path in &outputs {
@@ -84,10 +92,6 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
         pyramid::check(folder)?;
     }
     Ok(outputs)
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// The command line overrides what the file says.
@@ -141,24 +145,13 @@ fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure> {
     }
     let only = args.technique.map(|t| t.0);
     if let Some(t) = only {
-        let makes = match integrator {
-            Integrator::Path => t.s <= 1 && t.t >= 2,
-            Integrator::Light => t.t == 1,
-            Integrator::Bdpt => true,
-        };
-        if !makes {
-            return Err(Failure::usage(format!(
-                "--technique {},{}: the {} integrator has no such technique; use bdpt",
-                t.s,
-                t.t,
-                format!("{integrator:?}").to_lowercase()
-            )));
-        }
+        check_technique(t, integrator, desc.integrator.max_bounces, args)?;
     }
     Ok(Settings {
         integrator,
         max_bounces: desc.integrator.max_bounces,
         roulette: desc.integrator.russian_roulette,
+        roulette_after: args.roulette_after,
         heuristic: desc.integrator.heuristic,
         light_paths: args.light_paths,
         connections: args.connections.min(args.light_paths),
@@ -167,6 +160,34 @@ fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure> {
         weighted: !args.unweighted,
         only,
     })
+}
+
+/// A technique that the settings leave no path to would give a black image without a word.
+fn check_technique(t: Technique, integrator: Integrator, max_bounces: u32, args: &RenderArgs) -> Result<(), Failure> {
+    let impossible = |why: String| Err(Failure::usage(format!("--technique {},{}: {why}", t.s, t.t)));
+    let makes = match integrator {
+        Integrator::Path => t.s <= 1 && t.t >= 2,
+        Integrator::Light => t.t == 1,
+        Integrator::Bdpt => true,
+    };
+    if !makes {
+        let integrator = format!("{integrator:?}").to_lowercase();
+        return impossible(format!("the {integrator} integrator has no such technique; use bdpt"));
+    }
+    // A path of s + t vertices scatters at all but its two ends.
+    let events = u64::from(t.s) + u64::from(t.t) - 2;
+    if events > u64::from(max_bounces) {
+        return impossible(format!(
+            "its paths scatter {events} times and max_bounces is {max_bounces}; give --max-bounces {events} or more"
+        ));
+    }
+    if args.light_paths == 0 && (t.t == 1 || t.s >= 2) {
+        return impossible("it takes light subpaths; give --light-paths 1 or more".into());
+    }
+    if args.connections == 0 && t.s >= 2 && t.t >= 2 {
+        return impossible("it takes connections; give --connections 1 or more".into());
+    }
+    Ok(())
 }
 
 /// A render whose questions are all answered but for the backend.
@@ -238,6 +259,9 @@ impl Run<'_> {
             ("twinlight:connections", s.connections.to_string()),
             ("twinlight:accel", accel.into()),
         ];
+        if let Some(n) = s.roulette_after {
+            attributes.push(("twinlight:roulette_after", n.to_string()));
+        }
         if let Some(t) = s.only {
             let weights = if s.weighted { "weighted" } else { "unweighted" };
             attributes.push(("twinlight:technique", format!("{},{} {weights}", t.s, t.t)));

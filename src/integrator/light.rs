@@ -1,6 +1,6 @@
 //! Light tracing: light subpaths, every vertex connected to the camera (techniques t = 1).
 
-use super::{PixelSample, Recorder, Roulette, Settings};
+use super::{PixelSample, Recorder, Settings};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
 use crate::math::{Ray, distance_squared};
@@ -39,8 +39,7 @@ fn trace<A: Accel>(
     recorder: &mut Recorder,
 ) {
     let Some(choice) = &scene.light_choice else { return };
-    let [width, _] = scene.camera.resolution();
-    let pixel_key = sample.pixel[1].wrapping_mul(width).wrapping_add(sample.pixel[0]);
+    let pixel_key = sample.key(scene.camera.resolution());
     let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Light(number), sample.index);
     recorder.rays.light_paths += 1;
 
@@ -73,7 +72,7 @@ fn trace<A: Accel>(
 
     let cos = f64::from(start.point.cos(start.w).abs());
     let mut beta = start.le * (cos / (pdf_position * f64::from(start.pdf_direction.0))) as f32;
-    let mut roulette = Roulette::new(settings.roulette, beta, Roulette::FREE_SUBPATH);
+    let mut roulette = settings.roulette(beta);
     let mut ray = Ray::new(start.point.origin(start.w), start.w);
     // Light vertices including the one being arrived at; s − 1 of them scatter when the camera is connected.
     let mut s = 2;

@@ -10,6 +10,7 @@ pub use recorder::{Contribution, Rays, Recorder, Rejected, Technique};
 pub use roulette::Roulette;
 
 use crate::accel::Accel;
+use crate::math::Rgb;
 use crate::sampling::SamplerKind;
 use crate::scene::Scene;
 use crate::scene::desc::Heuristic;
@@ -34,6 +35,8 @@ pub struct Settings {
     pub max_bounces: u32,
     /// Whether subpaths are ended at random, without bias.
     pub roulette: bool,
+    /// Scatterings at the start of a subpath that are free of roulette; `None` for the integrator's own choice.
+    pub roulette_after: Option<u32>,
     /// How techniques share a path.
     pub heuristic: Heuristic,
     /// Light subpaths per camera sample (`bdpt`); 0 leaves path tracing.
@@ -56,6 +59,7 @@ impl Default for Settings {
             integrator: Integrator::Bdpt,
             max_bounces: 64,
             roulette: true,
+            roulette_after: None,
             heuristic: Heuristic::Power,
             light_paths: 1,
             connections: 1,
@@ -68,6 +72,16 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The roulette of a subpath that starts with throughput `beta`.
+    #[inline]
+    fn roulette(&self, beta: Rgb) -> Roulette {
+        let free = match self.integrator {
+            Integrator::Path => Roulette::FREE_PATH,
+            Integrator::Light | Integrator::Bdpt => Roulette::FREE_SUBPATH,
+        };
+        Roulette::new(self.roulette, beta, self.roulette_after.unwrap_or(free))
+    }
+
     /// Whether a technique is to be computed.
     #[inline]
     pub fn wants(&self, s: u32, t: u32) -> bool {
@@ -125,6 +139,14 @@ pub struct PixelSample {
     pub index: u32,
 }
 
+impl PixelSample {
+    /// A number that is the pixel's alone: its row-major index in the full image.
+    #[inline]
+    fn key(&self, [width, _]: [u32; 2]) -> u32 {
+        self.pixel[1] * width + self.pixel[0]
+    }
+}
+
 /// Computes samples of one scene under one set of settings; owns its scratch memory, one per thread.
 #[derive(Debug)]
 pub struct SampleLoop<'a, A> {
@@ -136,15 +158,28 @@ pub struct SampleLoop<'a, A> {
 }
 
 impl<'a, A: Accel> SampleLoop<'a, A> {
-    /// For samples of the pixels in `crop`.
-    pub fn new(scene: &'a Scene<A>, settings: Settings, crop: Crop) -> Self {
+    /// For samples of a scene's image. Light paths are counted over the full image, whatever is cropped out of it.
+    pub fn new(scene: &'a Scene<A>, settings: Settings) -> Self {
         let per_sample = match settings.integrator {
             Integrator::Path => 0,
             Integrator::Light => settings.light_paths.max(1),
             Integrator::Bdpt => settings.light_paths,
         };
-        let light_paths_per_pass = f64::from(per_sample) * crop.pixels() as f64;
+        let pixels = Crop::full(scene.camera.resolution()).pixels();
+        let light_paths_per_pass = f64::from(per_sample) * pixels as f64;
         Self { scene, settings, bdpt: bdpt::Bdpt::new(scene, settings, light_paths_per_pass), light_paths_per_pass }
+    }
+
+    /// Whether samples contribute to pixels other than their own: then the samples of every pixel of the full image
+    /// have to be computed (`sample`, or `sample_splats` for those cropped away), or splats are missing.
+    pub fn splats(&self) -> bool {
+        let wanted = self.settings.only.is_none_or(|only| only.t == 1);
+        wanted
+            && match self.settings.integrator {
+                Integrator::Path => false,
+                Integrator::Light => self.scene.needs.light,
+                Integrator::Bdpt => self.bdpt.traces_light(),
+            }
     }
 
     /// Computes one sample; its contributions go to `recorder`.
@@ -156,6 +191,15 @@ impl<'a, A: Accel> SampleLoop<'a, A> {
                 light::sample(self.scene, &self.settings, self.light_paths_per_pass, sample, recorder);
             }
             Integrator::Bdpt => self.bdpt.sample(self.scene, sample, recorder),
+        }
+    }
+
+    /// Computes only what one sample contributes to other pixels than its own.
+    pub fn sample_splats(&mut self, sample: PixelSample, recorder: &mut Recorder) {
+        match self.settings.integrator {
+            Integrator::Path => {}
+            Integrator::Light => self.sample(sample, recorder),
+            Integrator::Bdpt => self.bdpt.sample_light(self.scene, sample, recorder),
         }
     }
 }

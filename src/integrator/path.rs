@@ -1,6 +1,6 @@
 //! Path tracing: camera subpaths with next-event estimation and BSDF sampling, combined by MIS.
 
-use super::{PixelSample, Recorder, Roulette, Settings};
+use super::{PixelSample, Recorder, Settings};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
 use crate::light::LightPoint;
@@ -46,8 +46,7 @@ fn weight(settings: &Settings, p: f64, q: f64) -> f32 {
 
 /// One camera path.
 pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: PixelSample, recorder: &mut Recorder) {
-    let [width, _] = scene.camera.resolution();
-    let pixel_key = sample.pixel[1].wrapping_mul(width).wrapping_add(sample.pixel[0]);
+    let pixel_key = sample.key(scene.camera.resolution());
     let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Camera, sample.index);
     recorder.begin(sample.pixel, sample.index);
     recorder.rays.camera_paths += 1;
@@ -55,7 +54,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
 
     let mut ray = scene.camera.generate_ray(sample.pixel, sampler.next_2d()).ray;
     let mut beta = Rgb::ONE;
-    let mut roulette = Roulette::new(settings.roulette, beta, Roulette::FREE_PATH);
+    let mut roulette = settings.roulette(beta);
     // Density per solid angle of the last sampled direction; `None` when next-event estimation could not have
     // made the edge: the camera's own, or one that left a delta lobe.
     let mut pdf_last: Option<f64> = None;

@@ -104,7 +104,7 @@ pub fn render<A: Accel>(
 /// A rectangle of pixels and a range of samples: the unit of work.
 #[derive(Clone, Copy, Debug)]
 struct Task {
-    crop: Crop,
+    pixels: Crop,
     first: u32,
     count: u32,
 }
@@ -113,6 +113,8 @@ struct Run<'a, A> {
     scene: &'a Scene<A>,
     job: &'a RenderJob,
     progress: &'a (dyn Fn(Progress) -> bool + Sync),
+    /// Pixels whose samples are computed: the crop, or all where splats may come from anywhere.
+    region: Crop,
     film: Accumulator,
     emission: f32,
     techniques: Mutex<BTreeMap<Technique, std::sync::Arc<Accumulator>>>,
@@ -133,10 +135,12 @@ struct Totals {
 impl<'a, A: Accel> Run<'a, A> {
     fn new(scene: &'a Scene<A>, job: &'a RenderJob, progress: &'a (dyn Fn(Progress) -> bool + Sync)) -> Self {
         let emission = scene.lights.iter().map(brightness).fold(0.0, f32::max);
+        let splats = SampleLoop::new(scene, job.settings).splats();
         Self {
             scene,
             job,
             progress,
+            region: if splats { Crop::full(scene.camera.resolution()) } else { job.crop },
             film: Accumulator::new(job.crop.width(), job.crop.height(), emission),
             emission,
             techniques: Mutex::default(),
@@ -149,27 +153,26 @@ impl<'a, A: Accel> Run<'a, A> {
     }
 
     fn all(&self) {
-        let crop = self.job.crop;
-        let mut tasks = Vec::new();
-        let mut first = 0;
-        while first < self.job.samples {
-            let count = TASK_SAMPLES.min(self.job.samples - first);
-            for y in (crop.y0..crop.y1).step_by(TILE as usize) {
-                for x in (crop.x0..crop.x1).step_by(TILE as usize) {
-                    let tile = Crop { x0: x, y0: y, x1: crop.x1.min(x + TILE), y1: crop.y1.min(y + TILE) };
-                    tasks.push(Task { crop: tile, first, count });
-                }
-            }
-            first += count;
-        }
-        tasks.par_iter().for_each_init(
+        let region = self.region;
+        let columns = u64::from(region.width().div_ceil(TILE));
+        let tiles = columns * u64::from(region.height().div_ceil(TILE));
+        let ranges = u64::from(self.job.samples.div_ceil(TASK_SAMPLES));
+        // Tasks are made from their number when they are run: a list of them could outgrow the image.
+        let task = |number: u64| {
+            let (range, tile) = (number / tiles, number % tiles);
+            let first = range as u32 * TASK_SAMPLES;
+            let (x, y) = (region.x0 + (tile % columns) as u32 * TILE, region.y0 + (tile / columns) as u32 * TILE);
+            let pixels = Crop { x0: x, y0: y, x1: region.x1.min(x + TILE), y1: region.y1.min(y + TILE) };
+            Task { pixels, first, count: TASK_SAMPLES.min(self.job.samples - first) }
+        };
+        (0..tiles * ranges).into_par_iter().for_each_init(
             || {
-                let recorder = Recorder::new(crop, self.job.pyramid.is_some());
-                (SampleLoop::new(self.scene, self.job.settings, crop), recorder)
+                let recorder = Recorder::new(self.job.crop, self.job.pyramid.is_some());
+                (SampleLoop::new(self.scene, self.job.settings), recorder)
             },
-            |(integrator, recorder), task| {
+            |(integrator, recorder), number| {
                 if !self.stopped.load(Ordering::Relaxed) {
-                    self.run(task, integrator, recorder);
+                    self.run(&task(number), integrator, recorder);
                 }
             },
         );
@@ -178,14 +181,19 @@ impl<'a, A: Accel> Run<'a, A> {
     fn run(&self, task: &Task, integrator: &mut SampleLoop<'_, A>, recorder: &mut Recorder) {
         let crop = self.job.crop;
         recorder.reset();
-        for y in task.crop.y0..task.crop.y1 {
-            for x in task.crop.x0..task.crop.x1 {
-                let mut sum = Quanta::default();
-                for index in task.first..task.first + task.count {
-                    integrator.sample(PixelSample { pixel: [x, y], index }, recorder);
-                    sum += self.film.quantize(recorder.radiance());
+        for y in task.pixels.y0..task.pixels.y1 {
+            for x in task.pixels.x0..task.pixels.x1 {
+                let samples = (task.first..task.first + task.count).map(|index| PixelSample { pixel: [x, y], index });
+                if crop.contains([x, y]) {
+                    let mut sum = Quanta::default();
+                    for sample in samples {
+                        integrator.sample(sample, recorder);
+                        sum += self.film.quantize(recorder.radiance());
+                    }
+                    self.film.add((y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize, sum);
+                } else {
+                    samples.for_each(|sample| integrator.sample_splats(sample, recorder));
                 }
-                self.film.add((y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize, sum);
                 for splat in recorder.splats() {
                     self.film.add(splat.pixel as usize, self.film.quantize(splat.value));
                 }
@@ -193,7 +201,7 @@ impl<'a, A: Accel> Run<'a, A> {
                 recorder.clear();
             }
         }
-        let samples = task.crop.pixels() * u64::from(task.count);
+        let samples = task.pixels.pixels() * u64::from(task.count);
         let done = self.done.fetch_add(samples, Ordering::Relaxed) + samples;
         let rays = self.rays.fetch_add(recorder.rays.total(), Ordering::Relaxed) + recorder.rays.total();
         if let Ok(mut totals) = self.totals.lock() {
@@ -202,7 +210,7 @@ impl<'a, A: Accel> Run<'a, A> {
             totals.rejected += count;
             totals.rejected_first.extend_from_slice(first);
         }
-        let total = crop.pixels() * u64::from(self.job.samples);
+        let total = self.region.pixels() * u64::from(self.job.samples);
         let seconds = self.start.elapsed().as_secs_f64();
         if !(self.progress)(Progress { done, total, rays, seconds }) {
             self.stopped.store(true, Ordering::Relaxed);

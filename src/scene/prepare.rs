@@ -105,7 +105,7 @@ fn normalization(desc: &SceneDesc, errors: &mut Vec<Diagnostic>) -> (DVec3, f64)
     let mut grow = |surface: &SurfaceDesc, p: DVec3| {
         let p = surface.transform.transform_point3(p);
         // Beyond this, squares of distances leave f32 even after scaling.
-        if !(p.abs().max_element() < 1e30) {
+        if !p.is_finite() || p.abs().max_element() >= 1e30 {
             if errors.last().is_none_or(|e: &Diagnostic| e.at != surface.at) {
                 errors.push(Diagnostic {
                     at: surface.at.clone(),

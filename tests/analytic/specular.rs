@@ -25,11 +25,10 @@ fn a_glass_ball_in_a_furnace_is_invisible() {
     let (emitted, albedo) = ([1.0, 0.5, 2.0], [0.5, 0.3, 0.0]);
     let view = at_ball();
     for (n, ior) in [1.5, 1.1, 2.4, 1.0 / 1.5].into_iter().enumerate() {
-        for (m, reflecting) in [false, true].into_iter().enumerate() {
+        for (m, reflecting) in [false, n % 3 == 0].into_iter().enumerate() {
             let walls =
                 if reflecting { shining_diffuse(emitted.to_vec(), albedo.to_vec()) } else { shining(emitted.to_vec()) };
-            let surfaces =
-                vec![sphere(DVec3::ZERO, 2.0, true, walls), sphere(DVec3::ZERO, 1.0, false, glass(ior))];
+            let surfaces = vec![sphere(DVec3::ZERO, 2.0, true, walls), sphere(DVec3::ZERO, 1.0, false, glass(ior))];
             let scene = scene(&scene_json(view.json(), surfaces, vec![]));
             let color = [0, 1, 2].map(|c| if reflecting { emitted[c] / (1.0 - albedo[c]) } else { emitted[c] });
             for integrator in [Integrator::Path, Integrator::Bdpt] {
@@ -53,7 +52,7 @@ fn within_glass_the_furnace_is_n_squared_as_bright() {
     let emitted = [1.0, 0.5, 2.0];
     let view = View { from: DVec3::new(0.1, 0.2, 0.2), at: DVec3::new(0.0, -0.3, 1.0), ..at_ball() };
     for (n, ior) in [1.5, 1.1, 2.4].into_iter().enumerate() {
-        for (m, reflecting) in [false, true].into_iter().enumerate() {
+        for (m, reflecting) in [false, n == 0].into_iter().enumerate() {
             let walls = if reflecting { shining_diffuse(emitted.to_vec(), 0.5) } else { shining(emitted.to_vec()) };
             let surfaces = vec![sphere(DVec3::ZERO, 2.0, true, walls), sphere(DVec3::ZERO, 1.0, false, glass(ior))];
             let scene = scene(&scene_json(view.json(), surfaces, vec![]));
@@ -80,13 +79,7 @@ fn a_slab_transmits_and_reflects_what_fresnels_formulas_say() {
         [(0.0_f64, 0.923_077), (45.0, 0.904_327), (60.0, 0.836_232), (80.0, 0.441_229)].into_iter().enumerate()
     {
         let (s, c) = degrees.to_radians().sin_cos();
-        let view = View {
-            from: DVec3::new(-s, 0.0, c),
-            at: DVec3::ZERO,
-            up: DVec3::Y,
-            vfov: 0.01,
-            resolution: [1, 1],
-        };
+        let view = View { from: DVec3::new(-s, 0.0, c), at: DVec3::ZERO, up: DVec3::Y, vfov: 0.01, resolution: [1, 1] };
         // Wide enough for rays that go to and fro thirty times at 80°.
         let face = |z: f64, up: f64| quad(&facing(DVec3::new(0.0, 0.0, z), DVec3::Z * up), [20.0; 2], glass(1.5));
         let surfaces = vec![
@@ -96,7 +89,7 @@ fn a_slab_transmits_and_reflects_what_fresnels_formulas_say() {
         ];
         let scene = scene(&scene_json(view.json(), surfaces, vec![]));
         let settings = Settings { roulette: false, ..settings(Integrator::Path, 60) };
-        let images = images(&scene, settings, Budget::new(32768, 440 + n as u64));
+        let images = images(&scene, settings, Budget::new(if degrees > 70.0 { 32768 } else { 8192 }, 440 + n as u64));
         let bounds = Bounds::of_mean(0.005);
         assert_closed(&format!("slab at {degrees}°"), &images, &expect_colored(&[transmitted], [1.0; 3]), bounds);
     }

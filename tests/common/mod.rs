@@ -7,7 +7,7 @@
 //!
 //! All seeds are fixed: a test that passes once passes always on the same machine type.
 
-#![allow(dead_code)] // Each test crate uses its own part of this module.
+#![allow(dead_code, unused_imports)] // Each test crate uses its own part of this module.
 
 mod estimate;
 mod view;
@@ -32,6 +32,9 @@ pub type DefaultAccel = twinlight::accel::embree::EmbreeAccel;
 /// The accelerator that tests run on unless they say otherwise.
 #[cfg(not(feature = "embree"))]
 pub type DefaultAccel = twinlight::accel::bvh::BvhAccel;
+
+/// A scene on the default accelerator.
+pub type SceneOnDefault = Scene<DefaultAccel>;
 
 /// Reads and prepares a scene.
 pub fn prepared(scene: &Value) -> Prepared {
@@ -230,7 +233,8 @@ impl Random {
     /// A rigid motion: a rotation about a random axis by a random angle, then a shift of up to `shift` per axis.
     pub fn pose(&mut self, shift: f64) -> DAffine3 {
         let (axis, angle) = (self.direction(), self.between(0.5, 3.0));
-        let translation = DVec3::new(self.between(-shift, shift), self.between(-shift, shift), self.between(-shift, shift));
+        let translation =
+            DVec3::new(self.between(-shift, shift), self.between(-shift, shift), self.between(-shift, shift));
         DAffine3::from_translation(translation) * DAffine3::from_axis_angle(axis, angle)
     }
 }

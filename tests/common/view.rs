@@ -40,16 +40,15 @@ impl View {
         }
     }
 
-    /// The unit direction through a point of the film, in pixels from the top left.
-    pub fn direction(&self, x: f64, y: f64) -> DVec3 {
+    /// The film at unit distance: its top left corner from the pinhole, and a pixel's steps to the right and down.
+    fn film(&self) -> (DVec3, DVec3, DVec3) {
         let back = (self.from - self.at).normalize();
         let right = self.up.cross(back).normalize();
         let up = back.cross(right);
         let [w, h] = self.resolution.map(f64::from);
         let half_height = (0.5 * self.vfov.to_radians()).tan();
         let half_width = half_height * w / h;
-        let (u, v) = (2.0 * x / w - 1.0, 1.0 - 2.0 * y / h);
-        (right * (u * half_width) + up * (v * half_height) - back).normalize()
+        (up * half_height - right * half_width - back, right * (2.0 * half_width / w), up * (-2.0 * half_height / h))
     }
 
     /// Means of a radiance over the tiles of a grid of `grid` columns and rows, by the midpoint rule with `n × n`
@@ -59,6 +58,7 @@ impl View {
         let [columns, rows] = grid;
         assert!(w % columns == 0 && h % rows == 0, "tiles of unequal size");
         let (tw, th) = (w / columns * n, h / rows * n);
+        let (corner, right, down) = self.film();
         let mut means = Vec::new();
         for row in 0..rows {
             for column in 0..columns {
@@ -66,7 +66,8 @@ impl View {
                 for y in 0..th {
                     for x in 0..tw {
                         let at = |first: u32, i: u32| (f64::from(first + i) + 0.5) / f64::from(n);
-                        sum += radiance(self.direction(at(column * tw, x), at(row * th, y)));
+                        let d = corner + right * at(column * tw, x) + down * at(row * th, y);
+                        sum += radiance(d.normalize());
                     }
                 }
                 means.push(sum / f64::from(tw * th));

@@ -58,22 +58,34 @@ impl Bdpt {
         }
     }
 
+    /// Whether light subpaths are traced at all.
+    pub fn traces_light(&self) -> bool {
+        self.light_paths > 0
+    }
+
     /// One camera sample with its light subpaths.
     pub fn sample<A: Accel>(&mut self, scene: &Scene<A>, sample: PixelSample, recorder: &mut Recorder) {
-        let [width, _] = scene.camera.resolution();
-        let pixel_key = sample.pixel[1].wrapping_mul(width).wrapping_add(sample.pixel[0]);
-        let Settings { sampler: kind, seed, .. } = self.settings;
+        self.sample_light(scene, sample, recorder);
+        let sampler = self.sampler(scene, sample, Stream::Camera);
+        self.walk_camera(scene, sample.pixel, sampler, recorder);
+    }
+
+    /// The light subpaths of one camera sample: their splats are recorded, their vertices kept.
+    pub fn sample_light<A: Accel>(&mut self, scene: &Scene<A>, sample: PixelSample, recorder: &mut Recorder) {
         recorder.begin(sample.pixel, sample.index);
         self.light_vertices.clear();
         self.connectible_end = 0;
         for number in 0..self.light_paths {
-            let sampler = Sampler::new(kind, seed, pixel_key, Stream::Light(number), sample.index);
+            let sampler = self.sampler(scene, sample, Stream::Light(number));
             self.walk_light(scene, sampler, recorder);
             if number < self.connections {
                 self.connectible_end = self.light_vertices.len();
             }
         }
-        let sampler = Sampler::new(kind, seed, pixel_key, Stream::Camera, sample.index);
-        self.walk_camera(scene, sample.pixel, sampler, recorder);
+    }
+
+    fn sampler<A: Accel>(&self, scene: &Scene<A>, sample: PixelSample, stream: Stream) -> Sampler {
+        let pixel = sample.key(scene.camera.resolution());
+        Sampler::new(self.settings.sampler, self.settings.seed, pixel, stream, sample.index)
     }
 }

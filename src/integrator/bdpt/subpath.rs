@@ -41,7 +41,7 @@ impl Bdpt {
             cos: if light.is_delta() { 0.0 } else { cos },
         };
         let mut beta = emission.le * (cos / (pdf_position * pdf_direction)) as f32;
-        let mut roulette = Roulette::new(self.settings.roulette, beta, Roulette::FREE_SUBPATH);
+        let mut roulette = self.settings.roulette(beta);
         let mut from = emission.point.p();
         let mut ray = Ray::new(emission.point.origin(emission.w), emission.w);
         let mut departure: Option<Departure> = None;
@@ -95,7 +95,7 @@ impl Bdpt {
         let mut ray = primary.ray;
         let mut from = ray.o;
         let mut beta = Rgb::ONE;
-        let mut roulette = Roulette::new(self.settings.roulette, beta, Roulette::FREE_SUBPATH);
+        let mut roulette = self.settings.roulette(beta);
         let mut departure: Option<Departure> = None;
         let mut number = 2;
         loop {

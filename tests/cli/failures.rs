@@ -1,0 +1,138 @@
+//! Every mistake of the tables, and what else can go wrong: the status, the whole message, and no file touched.
+
+use std::os::fd::OwnedFd;
+use std::os::unix::net::UnixStream;
+use std::process::Stdio;
+
+use super::Folder;
+use super::mistakes::{ARGUMENTS, SCENES};
+
+const GOOD: &str = r#"{"camera": {"resolution": 8}, "image_samples": 1,
+    "lights": [{"type": "point", "position": [0, 0, -1], "intensity": 1}]}"#;
+
+/// A folder in which each kind of output would find something to overwrite.
+fn folder(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    for old in ["old.exr", "old.png", "old.json", "scene.exr"] {
+        folder.write(old, "what was there before");
+    }
+    std::fs::create_dir(folder.path("folder.exr")).unwrap();
+    folder
+}
+
+#[test]
+fn a_mistake_in_a_scene_is_told_and_touches_no_file() {
+    let folder = folder("mistakes");
+    for mistake in SCENES.iter().flat_map(|(_, mistakes)| mistakes.iter()) {
+        let (text, said) = mistake.unmarked();
+        folder.write("scene.json", text);
+        let before = folder.snapshot();
+        for outputs in [
+            &["render", "scene.json"][..],
+            &["render", "scene.json", "-q", "-o", "old.exr", "-o", "new.exr", "-o", "old.png", "--stats", "old.json"],
+            &["render", "scene.json", "--stats", "new.json", "--pyramid", "new/pyramid", "--accel", "bvh"],
+        ] {
+            let outcome = folder.run(outputs);
+            assert_eq!(outcome.status, Some(65), "{}: {outcome:?}", mistake.what);
+            assert_eq!(outcome.stderr, said, "{}", mistake.what);
+            assert_eq!(outcome.stdout, "");
+            assert!(folder.snapshot() == before, "{}: {:?}", mistake.what, folder.names());
+        }
+    }
+}
+
+#[test]
+fn a_mistake_in_the_arguments_is_told_and_touches_no_file() {
+    let folder = folder("arguments");
+    folder.write("scene.json", GOOD);
+    let before = folder.snapshot();
+    for mistake in &ARGUMENTS {
+        let args: Vec<&str> = std::iter::once("render").chain(mistake.arguments.split(' ')).collect();
+        let outcome = folder.run(&args);
+        assert_eq!(outcome.status, Some(mistake.status), "{outcome:?}");
+        // What follows a blank line is the usage and where help is.
+        let said = outcome.stderr.trim_end().split("\n\n").next();
+        assert_eq!(said, Some(mistake.message), "{outcome:?}");
+        assert_eq!(outcome.stdout, "");
+        assert!(folder.snapshot() == before, "{}: {:?}", mistake.what, folder.names());
+    }
+    // The scene itself is fine, or all of this would prove little.
+    folder.ok(&["render", "scene.json"]);
+    assert_eq!(folder.image("scene.exr").width, 8);
+}
+
+#[test]
+fn meshes_are_named_by_file_and_by_place() {
+    let folder = folder("meshes");
+    std::fs::create_dir(folder.path("meshes")).unwrap();
+    folder.write("meshes/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+    folder.write(
+        "scene.json",
+        r#"{"camera": {}, "surfaces": [
+             {"type": "mesh", "filename": "meshes/a.obj", "material": {"type": "mirror"}}]}"#,
+    );
+    let before = folder.snapshot();
+    let outcome = folder.run(&["render", "scene.json", "-o", "old.exr"]);
+    assert_eq!(outcome.status, Some(65));
+    assert_eq!(
+        outcome.stderr,
+        "twinlight: meshes/a.obj:4:7: vertex index 4 is out of range; allowed: 1 to 3, or -3 to -1 (those defined before \
+         this line) (named by scene.json:2:43: /surfaces/0/filename)\n"
+    );
+    assert!(folder.snapshot() == before);
+    folder.write("meshes/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.ok(&["render", "scene.json", "--spp", "1", "--size", "2x2"]);
+}
+
+#[test]
+fn no_command_at_all_is_a_usage_error_and_help_is_not() {
+    let folder = folder("usage");
+    for args in [&[][..], &["rendr", "scene.json"], &["--spp", "1"], &["render", "a.json", "b.json"]] {
+        let outcome = folder.run(args);
+        assert_eq!(outcome.status, Some(2), "{outcome:?}");
+        assert!(outcome.stderr.contains("Usage: twinlight") && outcome.stdout.is_empty(), "{outcome:?}");
+    }
+    for args in [&["--help"][..], &["render", "--help"], &["help", "compare"], &["convert", "-h"]] {
+        let outcome = folder.ok(args);
+        assert!(outcome.stdout.contains("Usage: twinlight") && outcome.stderr.is_empty(), "{outcome:?}");
+    }
+    assert_eq!(folder.ok(&["--version"]).stdout, format!("twinlight {}\n", env!("CARGO_PKG_VERSION")));
+    // Every status of the program is on its help page.
+    let help = folder.ok(&["--help"]).stdout;
+    for status in ["0 done", "2 usage", "65 bad scene or asset", "70 non-finite contributions", "1 anything else"] {
+        assert!(help.contains(status), "{help}");
+    }
+}
+
+/// The writing end of a pipe that nobody reads any more.
+fn closed() -> Stdio {
+    let (ours, theirs) = UnixStream::pair().unwrap();
+    drop(theirs);
+    Stdio::from(OwnedFd::from(ours))
+}
+
+#[test]
+fn a_reader_that_has_gone_away_is_no_error() {
+    let folder = Folder::with_room("closed_pipe");
+    folder.ok(&["render", "room.json", "-q"]);
+    for args in [
+        &["info", "room.json"][..],
+        &["info", "room.json", "--json"],
+        &["compare", "room.exr", "room.exr"],
+        &["compare", "room.exr", "room.exr", "--json", "--difference", "d.png"],
+    ] {
+        let output = folder.command(args).stdout(closed()).stderr(Stdio::piped()).output().unwrap();
+        assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]), "{args:?}: {output:?}");
+    }
+    assert!(folder.path("d.png").exists());
+    let help = folder.command(&["--help"]).stdout(closed()).stderr(Stdio::piped()).output().unwrap();
+    assert!(!String::from_utf8_lossy(&help.stderr).contains("panicked"), "{help:?}");
+    // Messages lost do not lose the image, nor change what a failure says by its status.
+    let lost = |args: &[&str]| folder.command(args).stdout(closed()).stderr(closed()).status().unwrap().code();
+    assert_eq!(lost(&["render", "room.json", "--integrator", "auto", "-o", "a.exr", "-o", "a.png"]), Some(0));
+    assert_eq!(folder.bytes("a.exr"), folder.bytes("room.exr"));
+    assert!(folder.path("a.png").exists());
+    assert_eq!(lost(&["render", "none.json"]), Some(1));
+    assert_eq!(lost(&["render", "room.json", "--crop", "0,0,99,99"]), Some(2));
+    assert_eq!(lost(&["info", "a.exr"]), Some(65));
+}

@@ -1,0 +1,223 @@
+//! `compare` and `convert`.
+
+use twinlight::film::Image;
+use twinlight::output::{Metadata, read_image, srgb_decode, write_image};
+
+use super::{Folder, difference};
+
+/// A smooth picture of positive values up to a little above `peak`.
+fn picture(width: u32, height: u32, peak: f32) -> Image {
+    let mut image = Image::new(width, height);
+    for (i, pixel) in image.rgb.iter_mut().enumerate() {
+        let (x, y) = (i as u32 % width, i as u32 / width);
+        let (x, y) = (x as f32 / width as f32, y as f32 / height as f32);
+        *pixel = [x, y, 0.5 * (x + y)].map(|v| (v + 0.01) * peak);
+    }
+    image
+}
+
+fn put(folder: &Folder, name: &str, image: &Image) {
+    write_image(&folder.path(name), image, &Metadata::default(), 0.0).unwrap();
+}
+
+#[test]
+fn compare_measures_as_defined() {
+    let folder = Folder::new("compare");
+    let reference = picture(8, 6, 2.0);
+    let mut image = reference.clone();
+    for pixel in &mut image.rgb {
+        *pixel = pixel.map(|v| v + 0.125);
+    }
+    image.rgb[8 * 4 + 3] = reference.rgb[8 * 4 + 3].map(|v| v - 0.5);
+    put(&folder, "a.exr", &image);
+    put(&folder, "r.exr", &reference);
+    let outcome = folder.ok(&["compare", "a.exr", "r.exr", "--json"]);
+    assert_eq!(outcome.stderr, "");
+    let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let keys: Vec<&str> = json.as_object().unwrap().keys().map(String::as_str).collect();
+    let expected = [
+        "max",
+        "max_at",
+        "mean",
+        "mean_ratio",
+        "mean_reference",
+        "mse",
+        "non_finite",
+        "non_finite_reference",
+        "rel_mse",
+        "rel_mse_trimmed",
+    ];
+    assert_eq!(keys, expected);
+
+    // By hand: mean (a − r)² and mean (a − r)²/(r² + 0.01).
+    let (mut mse, mut relative) = (0.0, 0.0);
+    for (a, r) in image.rgb.iter().flatten().zip(reference.rgb.iter().flatten()) {
+        let (d, r) = (f64::from(a - r), f64::from(*r));
+        mse += d * d / 144.0;
+        relative += d * d / (r * r + 0.01) / 144.0;
+    }
+    let number = |key: &str| json[key].as_f64().unwrap();
+    assert!((number("mse") / mse - 1.0).abs() < 1e-5, "{mse}: {json:#}");
+    assert!((number("rel_mse") / relative - 1.0).abs() < 1e-5, "{relative}: {json:#}");
+    assert!((number("max") - 0.5).abs() < 1e-6, "{json:#}");
+    assert_eq!(json["max_at"], serde_json::json!([3, 4]));
+    for c in 0..3 {
+        let (a, r) = (image.mean()[c], reference.mean()[c]);
+        assert!((json["mean"][c].as_f64().unwrap() - a).abs() < 1e-9, "{json:#}");
+        assert!((json["mean_reference"][c].as_f64().unwrap() - r).abs() < 1e-9, "{json:#}");
+        assert!((json["mean_ratio"][c].as_f64().unwrap() - a / r).abs() < 1e-9, "{json:#}");
+    }
+    assert_eq!((&json["non_finite"], &json["non_finite_reference"]), (&0.into(), &0.into()));
+
+    // The text says the same.
+    let text = folder.ok(&["compare", "a.exr", "r.exr"]).stdout;
+    let line = |key: &str| text.lines().find_map(|l| l.strip_prefix(key)).unwrap_or_else(|| panic!("{key}: {text}"));
+    assert_eq!(line("relMSE").trim(), format!("{relative:.4e}"));
+    assert_eq!(line("MSE").trim(), format!("{mse:.4e}"));
+    assert_eq!(line("max").trim(), "5.0000e-1 at 3,4");
+    assert_eq!(line("non-finite").trim(), "0 (reference 0)");
+    let means: Vec<f64> = line("mean").split_whitespace().map(|n| n.parse().unwrap()).collect();
+    assert!(means.iter().zip(image.mean()).all(|(a, b)| (a - b).abs() < 1e-6), "{text}");
+    // Of itself an image does not differ, whatever it holds.
+    image.rgb[5] = [f32::NAN, 1.0, f32::INFINITY];
+    put(&folder, "a.exr", &image);
+    let same = folder.ok(&["compare", "a.exr", "a.exr", "--json"]).stdout;
+    let same: serde_json::Value = serde_json::from_str(&same).unwrap();
+    assert_eq!((same["mse"].as_f64(), same["non_finite"].as_u64()), (Some(0.0), Some(1)));
+    assert_eq!(same["mean_ratio"], serde_json::json!([1.0, 1.0, 1.0]));
+}
+
+#[test]
+fn the_difference_is_red_where_brighter_and_blue_where_darker() {
+    let folder = Folder::new("difference");
+    let mut reference = Image::new(16, 8);
+    reference.rgb.fill([1.0; 3]);
+    let mut image = reference.clone();
+    for (i, pixel) in image.rgb.iter_mut().enumerate() {
+        *pixel = match i % 16 {
+            0..4 => [1.5; 3],
+            4..8 => [0.5; 3],
+            _ => [1.0; 3],
+        };
+    }
+    put(&folder, "a.exr", &image);
+    put(&folder, "r.exr", &reference);
+    let quiet = folder.ok(&["compare", "a.exr", "r.exr"]).stdout;
+    assert_eq!(folder.names(), ["a.exr", "r.exr"]);
+    let told = folder.ok(&["compare", "a.exr", "r.exr", "--difference", "d.png"]).stdout;
+    assert_eq!(told, quiet);
+    let d = folder.image("d.png");
+    assert_eq!((d.width, d.height), (16, 8));
+    let expected = |x| {
+        if x < 4 {
+            [1.0, 0.0, 0.0]
+        } else if x < 8 {
+            [0.0, 0.0, 1.0]
+        } else {
+            [0.0; 3]
+        }
+    };
+    for x in 0..16 {
+        assert_eq!(d.get(x, 5), expected(x), "column {x}");
+    }
+}
+
+#[test]
+fn compare_refuses_what_it_cannot_compare() {
+    let folder = Folder::new("compare_refuses");
+    put(&folder, "a.exr", &picture(8, 6, 1.0));
+    put(&folder, "b.exr", &picture(6, 8, 1.0));
+    folder.write("text.exr", "no image at all");
+    folder.write("d.png", "what was there before");
+    let before = folder.snapshot();
+    for (args, status, message) in [
+        (
+            ["a.exr", "b.exr", "d.png"],
+            65,
+            "twinlight: the image has 8 × 6 pixels, the reference 6 × 8: render or crop them to one size\n",
+        ),
+        (
+            ["a.exr", "text.exr", "d.png"],
+            65,
+            "twinlight: cannot read `text.exr`: it is neither an EXR nor a PNG image; convert it to one of them\n",
+        ),
+        (
+            ["none.exr", "a.exr", "d.png"],
+            65,
+            "twinlight: cannot read `none.exr`: No such file or directory (os error 2); check the name and the permissions\n",
+        ),
+        (["a.exr", "b.exr", "a.exr"], 2, "twinlight: a.exr: this is an image to compare; choose another name\n"),
+        (["a.exr", "b.exr", "./b.exr"], 2, "twinlight: ./b.exr: this is an image to compare; choose another name\n"),
+        (
+            ["a.exr", "a.exr", "no/d.png"],
+            2,
+            "twinlight: cannot write `no/d.png`: the folder `no` cannot be entered (No such file or directory (os error \
+             2)); create it first\n",
+        ),
+    ] {
+        let outcome = folder.run(&["compare", args[0], args[1], "--json", "--difference", args[2]]);
+        assert_eq!((outcome.status, outcome.stderr.as_str()), (Some(status), message), "{outcome:?}");
+        assert_eq!(outcome.stdout, "", "{outcome:?}");
+        assert!(folder.snapshot() == before, "{args:?}: a file was touched");
+    }
+    assert_eq!(folder.run(&["compare", "a.exr"]).status, Some(2));
+}
+
+#[test]
+fn convert_goes_there_and_back() {
+    let folder = Folder::new("convert");
+    let image = picture(9, 5, 0.9);
+    put(&folder, "a.exr", &image);
+    let convert = |from: &str, to: &str, more: &[&str]| {
+        let outcome = folder.ok(&[&["convert", from, to], more].concat());
+        assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
+        folder.image(to)
+    };
+    // EXR to EXR keeps every bit.
+    assert!(convert("a.exr", "copy.exr", &[]) == image);
+    // To 8 bits a value moves by half a step at most, and back and forth by nothing more.
+    let coded = convert("a.exr", "a.png", &[]);
+    let step =
+        |v: f32| srgb_decode((twinlight::output::srgb_encode(f64::from(v)) + 0.5001 / 255.0).min(1.0)) - f64::from(v);
+    for (a, c) in image.rgb.iter().flatten().zip(coded.rgb.iter().flatten()) {
+        assert!(f64::from((a - c).abs()) <= step(*a) + 1e-6, "{a} became {c}");
+    }
+    assert!(convert("a.png", "b.exr", &[]) == coded);
+    assert!(convert("b.exr", "b.png", &[]) == coded);
+    assert_eq!(folder.bytes("b.png"), folder.bytes("a.png"));
+    // Stops brighten a PNG; 1.5 of them by 2^1.5. An EXR stays linear.
+    let darker = convert("a.exr", "dark.png", &["--exposure", "-2"]);
+    let quarter = Image { rgb: image.rgb.iter().map(|p| p.map(|v| 0.25 * v)).collect(), ..image.clone() };
+    assert!(difference(&darker, &quarter) < 0.03, "{}", difference(&darker, &quarter));
+    assert!(convert("a.exr", "b.exr", &["--exposure", "3"]) == image);
+}
+
+#[test]
+fn convert_refuses_and_touches_nothing() {
+    let folder = Folder::new("convert_refuses");
+    put(&folder, "a.exr", &picture(4, 4, 1.0));
+    let whole = folder.bytes("a.exr");
+    folder.write("cut.exr", &whole[..whole.len() / 2]);
+    folder.write("old.png", "what was there before");
+    let before = folder.snapshot();
+    for (from, to, status, message) in [
+        (
+            "a.exr",
+            "b.tiff",
+            2,
+            "cannot write `b.tiff`: the extension `.tiff` names no known format; use `.exr` (linear) or",
+        ),
+        ("a.exr", "b", 2, "cannot write `b`: the name has no extension to choose the format by"),
+        ("a.exr", "no/b.png", 2, "cannot write `no/b.png`: the folder `no` cannot be entered"),
+        ("a.exr", "a.exr", 2, "a.exr: this is the image to convert; choose another name"),
+        ("none.exr", "old.png", 65, "cannot read `none.exr`: No such file"),
+        ("cut.exr", "old.png", 65, "cannot read `cut.exr`: "),
+        ("old.png", "new.png", 65, "cannot read `old.png`: it is neither an EXR nor a PNG image"),
+    ] {
+        let outcome = folder.run(&["convert", from, to]);
+        assert_eq!(outcome.status, Some(status), "{outcome:?}");
+        assert!(outcome.stderr.starts_with(&format!("twinlight: {message}")), "{outcome:?}");
+        assert!(folder.snapshot() == before, "{from} to {to}: a file was touched");
+    }
+    assert!(read_image(&folder.path("a.exr")).is_ok());
+}

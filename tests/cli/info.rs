@@ -1,0 +1,124 @@
+//! `info`: what is in a scene, as text and as JSON.
+
+use super::Folder;
+
+const SCENE: &str = r#"{
+  "camera": {"transform": {"from": [10, 0, 8], "at": [10, 0, 0]}, "resolution": [40, 30]},
+  "image_samples": 7, "integrator": {"type": "path", "max_bounces": 9}, "accelerator": {"type": "bvh"},
+  "surfaces": [
+    {"type": "quad", "size": [2, 4], "material": {"type": "diffuse light", "emit": [1, 2, 3]},
+     "transform": {"translate": [10, 0, 0]}},
+    {"type": "sphere", "radius": 1, "material": {"type": "dielectric"}, "transform": {"translate": [13, 0, 0]}},
+    {"type": "disk", "radius": 1, "material": {"type": "null"}, "transform": {"translate": [7, 0, 0]}}
+  ],
+  "lights": [
+    {"type": "point", "position": [10, 1, 0], "intensity": [1, 0.5, 0]},
+    {"type": "spot", "position": [10, 1, 0], "direction": [0, -1, 0], "intensity": 1, "inner_angle": 60, "outer_angle": 60}
+  ]
+}"#;
+
+#[test]
+fn json_tells_what_is_in_a_scene() {
+    let folder = Folder::new("info_json");
+    folder.write("s.json", SCENE);
+    let outcome = folder.ok(&["info", "s.json", "--json"]);
+    assert_eq!(outcome.stderr, "");
+    let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    // 4π I, π L A and 2π (1 − cos 60°) I. Lengths and powers are the file's, whatever render space is.
+    let pi = std::f64::consts::PI;
+    assert_eq!(
+        json,
+        serde_json::json!({
+            "scene": "s.json",
+            "resolution": [40, 30],
+            "samples": 7,
+            "integrator": "path",
+            "max_bounces": 9,
+            "surfaces": 3,
+            "triangles": 2,
+            "vertices": 4,
+            "quadrics": 2,
+            "delta_points": 2,
+            "lights": json["lights"],
+            "center": [10.0, 0.0, 0.0],
+            "scale": 0.125,
+            "skipped": ["light subpaths and connections: no surface can be connected to",
+                        "user geometry for delta points: transport never asks for it"],
+            "notes": ["s.json:3:88: /accelerator: the accelerator is ignored: it is chosen on the command line"],
+        })
+    );
+    let lights: Vec<&str> = json["lights"].as_array().unwrap().iter().map(|l| l.as_str().unwrap()).collect();
+    let (kinds, powers): (Vec<&str>, Vec<&str>) = lights.iter().map(|l| l.split_once(", power ").unwrap()).unzip();
+    assert_eq!(kinds, ["area (parallelogram, 8.000000 square units)", "point", "spot"]);
+    let close = |said: &str, expected: [f64; 3]| {
+        let said: Vec<f64> = said.trim_end_matches(" W").split(' ').map(|n| n.parse().unwrap()).collect();
+        said.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5 * b.max(1.0))
+    };
+    assert!(close(powers[0], [8.0 * pi, 16.0 * pi, 24.0 * pi]), "{}", powers[0]);
+    assert!(close(powers[1], [4.0 * pi, 2.0 * pi, 0.0]), "{}", powers[1]);
+    assert!(close(powers[2], [pi; 3]), "{}", powers[2]);
+    assert_eq!(folder.names(), ["s.json"]);
+}
+
+#[test]
+fn text_tells_the_same() {
+    let folder = Folder::new("info_text");
+    folder.write("s.json", SCENE);
+    let text = folder.ok(&["info", "s.json"]).stdout;
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(
+        lines[..4],
+        [
+            "s.json",
+            "  image        40 × 30, 7 spp, path with at most 9 bounces",
+            "  geometry     3 surfaces: 2 triangles on 4 vertices, 2 spheres and disks, 2 delta points",
+            "  render space recentred on (10, 0, 0), scaled by 2^-3",
+        ]
+    );
+    assert_eq!(lines[4], "  lights       3");
+    assert!(lines[5].starts_with("    area (parallelogram, 8.000000 square units), power 25.13"), "{text}");
+    assert_eq!(
+        lines[8..],
+        [
+            "  skipped",
+            "    light subpaths and connections: no surface can be connected to",
+            "    user geometry for delta points: transport never asks for it",
+            "  note: s.json:3:88: /accelerator: the accelerator is ignored: it is chosen on the command line",
+        ]
+    );
+}
+
+#[test]
+fn many_lights_are_cut_and_a_dark_scene_is_said_to_be() {
+    let folder = Folder::new("info_many");
+    let light = r#"{"type": "point", "position": [0, 0, 1], "intensity": 1}"#;
+    folder.write("many.json", format!(r#"{{"camera": {{}}, "lights": [{}]}}"#, vec![light; 23].join(",")));
+    let text = folder.ok(&["info", "many.json"]).stdout;
+    assert!(text.contains("  lights       23\n") && text.contains("    … and 3 more\n"), "{text}");
+    assert_eq!(text.matches("    point, power ").count(), 20);
+    folder.write("dark.json", r#"{"camera": {}}"#);
+    let text = folder.ok(&["info", "dark.json"]).stdout;
+    assert!(text.contains("    everything but primary rays: nothing shines\n"), "{text}");
+    assert!(text.ends_with("  note: dark.json:1:12: /camera: nothing in the scene shines: the image will be black\n"));
+}
+
+#[test]
+fn failures_have_the_statuses_of_render() {
+    let folder = Folder::new("info_failures");
+    folder.write("bad.json", r#"{"camera": {"vfov": 180}}"#);
+    folder.write("sheared.json", r#"{"camera": {"transform": {"y": [1, 1, 0]}}}"#);
+    for (args, status, message) in [
+        (&["info", "none.json"][..], 1, "twinlight: none.json: cannot read the scene file: No such file"),
+        (&["info", "bad.json"], 65, "twinlight: bad.json:1:21: /camera/vfov: 180 is out of range"),
+        (
+            &["info", "sheared.json", "--json"],
+            65,
+            "twinlight: sheared.json:1:12: /camera: the camera's transform shears",
+        ),
+        (&["info"], 2, "error: the following required arguments were not provided"),
+    ] {
+        let outcome = folder.run(args);
+        assert_eq!((outcome.status, outcome.stdout.as_str()), (Some(status), ""), "{outcome:?}");
+        assert!(outcome.stderr.starts_with(message), "{outcome:?}");
+    }
+}

@@ -1,0 +1,126 @@
+//! The image is a function of the scene, the settings and the seed, to the last bit: not of threads, not of what is
+//! built beside the scene.
+
+mod common;
+
+use serde_json::{Value, json};
+use twinlight::accel::AccelOptions;
+use twinlight::integrator::{Crop, Integrator, Settings};
+use twinlight::math::{DVec3, Vec3};
+use twinlight::render::RenderJob;
+use twinlight::scene::Scene;
+
+use common::{
+    DefaultAccel, View, diffuse, facing, quad, render_job, render_once, scene, scene_json, scene_on, settings, shining,
+    sphere,
+};
+
+const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Light, Integrator::Bdpt];
+
+/// A bit of everything: two kinds of lights, glass, a mirror, diffuse surfaces; tiles that do not fill up.
+fn everything() -> Value {
+    let view = View {
+        from: DVec3::new(0.2, 0.4, 2.6),
+        at: DVec3::new(0.0, 0.1, 0.0),
+        up: DVec3::Y,
+        vfov: 50.0,
+        resolution: [37, 21],
+    };
+    scene_json(
+        view.json(),
+        vec![
+            quad(&facing(DVec3::new(0.0, -1.0, 0.0), DVec3::Y), [4.0; 2], diffuse(0.7)),
+            quad(&facing(DVec3::new(0.0, 0.0, -1.5), DVec3::Z), [4.0; 2], diffuse(vec![0.7, 0.3, 0.2])),
+            quad(&facing(DVec3::new(0.3, 1.5, 0.0), -DVec3::Y), [0.8; 2], shining(8.0)),
+            sphere(DVec3::new(-0.5, -0.6, 0.2), 0.4, false, json!({ "type": "dielectric", "ior": 1.5 })),
+            sphere(DVec3::new(0.6, -0.5, -0.4), 0.5, false, json!({ "type": "mirror", "albedo": 0.9 })),
+        ],
+        vec![
+            json!({ "type": "point", "position": [-1.0, 1.0, 0.5], "intensity": 2.0 }),
+            json!({
+                "type": "spot", "position": [1.0, 1.2, 1.0], "at": [0, -1, 0], "intensity": 5.0,
+                "inner_angle": 15, "outer_angle": 30
+            }),
+        ],
+    )
+}
+
+#[test]
+fn any_number_of_threads_makes_the_same_image() {
+    let scene = scene(&everything());
+    for integrator in INTEGRATORS {
+        // More samples than one task takes, so that a pixel's sum has parts.
+        let job = |threads| RenderJob {
+            settings: settings(integrator, 8),
+            samples: 70,
+            crop: Crop::full(scene.camera.resolution()),
+            threads,
+            pyramid: None,
+        };
+        let one = render_job(&scene, &job(1));
+        assert!(one.image.mean().iter().all(|m| *m > 0.0), "{integrator:?}: a black image proves nothing");
+        for threads in [2, 5] {
+            let many = render_job(&scene, &job(threads));
+            assert_eq!(one.image, many.image, "{integrator:?}: {threads} threads");
+            assert_eq!(one.rays, many.rays, "{integrator:?}: {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_repeats_and_another_does_not() {
+    let scene = scene(&everything());
+    for integrator in INTEGRATORS {
+        let image = |seed| render_once(&scene, Settings { seed, ..settings(integrator, 6) }, 4, None).image;
+        let first = image(7);
+        assert_eq!(first, image(7), "{integrator:?}");
+        for seed in [8, 7 + (1 << 32), 0] {
+            let other = image(seed);
+            let equal = first.rgb.iter().zip(&other.rgb).filter(|(a, b)| a == b && **a != [0.0; 3]).count();
+            // Where all light is direct and constant, pixels may agree; an image may not.
+            assert!(equal < first.rgb.len() / 20, "{integrator:?}: seed {seed} repeats {equal} pixels of seed 7");
+        }
+    }
+}
+
+#[test]
+fn the_delta_points_own_index_changes_nothing() {
+    let json = everything();
+    let without: Scene<DefaultAccel> = scene_on(&json, AccelOptions { delta_points: false });
+    let with: Scene<DefaultAccel> = scene_on(&json, AccelOptions { delta_points: true });
+    // The index is there: a ray aimed at a light finds it in the one scene and not in the other.
+    use twinlight::accel::Accel;
+    use twinlight::math::Ray;
+    let target = with.geometry.delta_points[0].position;
+    let from = target + Vec3::new(0.1, -0.3, 0.2);
+    assert!(with.accel.intersect_delta(&Ray::new(from, target - from)).is_some());
+    assert!(without.accel.intersect_delta(&Ray::new(from, target - from)).is_none());
+    for integrator in INTEGRATORS {
+        let image = |scene| render_once(scene, settings(integrator, 6), 16, None);
+        let (a, b) = (image(&without), image(&with));
+        assert_eq!(a.image, b.image, "{integrator:?}");
+        assert_eq!(a.rays, b.rays, "{integrator:?}");
+    }
+}
+
+/// One technique rendered alone is, bit by bit, that technique's part of a render of all: nothing but the recording
+/// depends on which are asked for.
+#[test]
+fn a_technique_alone_is_its_part_of_all() {
+    let scene = scene(&everything());
+    for weighted in [true, false] {
+        let all = Settings { weighted, ..settings(Integrator::Bdpt, 4) };
+        let parts = render_once(&scene, all, 4, Some(5)).techniques;
+        assert!(parts.len() >= 15, "only {} techniques contribute", parts.len());
+        for (&technique, part) in &parts {
+            let alone = render_once(&scene, Settings { only: Some(technique), ..all }, 4, None).image;
+            // A pixel's own contributions are summed in f32 within a sample before they are rounded to quanta.
+            for (a, b) in alone.rgb.iter().flatten().zip(part.rgb.iter().flatten()) {
+                assert!(
+                    (a - b).abs() <= 2e-6 * b.abs(),
+                    "{technique:?}, weighted: {weighted}: {a} alone, {b} among all"
+                );
+            }
+        }
+    }
+}
