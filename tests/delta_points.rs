@@ -234,7 +234,6 @@ fn transport_does_not_see_them<A: Accel>() {
                 assert_eq!(one, without.accel.occluded(&ray), "{} {ray:?}", A::NAME);
                 assert_eq!(answers, [[one; 2]; 2], "{} {ray:?}", A::NAME);
             }
-            // What stands in the way is never the point: with the room taken away nothing is met.
             let toward = Ray::segment(o, p);
             let hidden = with.accel.occluded(&toward);
             free += usize::from(!hidden);
@@ -242,6 +241,7 @@ fn transport_does_not_see_them<A: Accel>() {
         }
         assert!(free > 10_000 && blocked > 100, "{}: {free} free, {blocked} blocked", A::NAME);
 
+        // What stood in the way was never a point: with the room taken away nothing is met.
         let mut alone = json;
         alone["surfaces"] = json!([]);
         let alone: Scene<A> = scene_on(&alone, WITH);

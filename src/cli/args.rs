@@ -58,7 +58,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = seed)]
     pub seed: Option<u64>,
     /// Largest number of scattering events on a path; 0 is emitted light only, 1 direct light [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub max_bounces: Option<u32>,
     /// Image size in pixels [default: the scene's]
     #[arg(long, value_name = "WxH")]

@@ -40,7 +40,7 @@ impl SceneNeeds {
     pub fn skipped(&self) -> Vec<&'static str> {
         let mut out = Vec::new();
         if !self.light {
-            out.push("everything but primary rays: nothing shines");
+            out.push("every ray: nothing shines");
         }
         if !self.emitter_hits {
             out.push("emitter hits (s = 0): there is no area light");

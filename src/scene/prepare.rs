@@ -39,7 +39,7 @@ pub type Warning = Diagnostic;
 /// Brings a scene into render space.
 ///
 /// # Errors
-/// When the camera's transform shears, or a transform carries a vertex out of range.
+/// When the camera's transform shears, a transform carries a vertex out of range, or a light's power does not fit an f32.
 pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     let mut errors = Vec::new();
     let (center, scale) = normalization(desc, &mut errors);
@@ -65,7 +65,10 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     for surface in &desc.surfaces {
         builder.add(desc, surface);
     }
-    let Builder { mut geometry, surfaces, lights, mut warnings, .. } = builder;
+    let Builder { mut geometry, surfaces, lights, mut warnings, errors, .. } = builder;
+    if !errors.is_empty() {
+        return Err(SceneError { diagnostics: errors });
+    }
     if geometry.normals.iter().all(|n| *n == Vec3::ZERO) {
         geometry.normals.clear();
     }
@@ -156,6 +159,7 @@ struct Builder {
     surfaces: Vec<Surface>,
     lights: Vec<Light>,
     warnings: Vec<Warning>,
+    errors: Vec<Diagnostic>,
 }
 
 impl Default for Builder {
@@ -167,6 +171,7 @@ impl Default for Builder {
             surfaces: Vec::new(),
             lights: Vec::new(),
             warnings: Vec::new(),
+            errors: Vec::new(),
         }
     }
 }
@@ -206,8 +211,11 @@ impl Builder {
         if light.is_none() && !is_black(material.emit) {
             self.warn(surface, "the light has no area: it emits nothing".into());
         }
-        let light = light.map(|l| {
-            self.lights.push(Light::Area(l));
+        let light = light.map(Light::Area).map(|l| {
+            if !l.power().is_finite() {
+                self.errors.push(too_bright(surface));
+            }
+            self.lights.push(l);
             self.lights.len() as u32 - 1
         });
         self.surfaces.push(Surface { bsdf: bsdf(&material.kind), light });
@@ -293,11 +301,24 @@ impl Builder {
             _ => return,
         };
         self.geometry.delta_points.push(DeltaPoint::new(position, 1.0));
-        if light.power().max_element() > 0.0 {
+        let power = light.power();
+        if !power.is_finite() {
+            self.errors.push(too_bright(surface));
+        } else if power.max_element() > 0.0 {
             self.lights.push(light);
         } else {
             self.warn(surface, "the light emits no power: it is left out".into());
         }
+    }
+}
+
+/// The power of a light is its radiance times its area, or its intensity times its solid angle; it has to fit an f32.
+fn too_bright(surface: &SurfaceDesc) -> Diagnostic {
+    Diagnostic {
+        at: surface.at.clone(),
+        message: "the light is too bright: its power exceeds 3e38 in render space (the scene scaled to about unit \
+                  size); lower its emission"
+            .into(),
     }
 }
 

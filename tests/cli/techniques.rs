@@ -41,7 +41,7 @@ fn the_pyramids_images_are_the_image_taken_apart() {
         assert_eq!(folder.image(&format!("a/pyramid/{name}.png")).width, 16);
     }
     assert!(difference(&sum, &full) < 1e-5, "{}", difference(&sum, &full));
-    // Everything but the light that falls straight into the pinhole's image of a mirror, say, has a technique.
+    // 14 techniques make paths of up to four edges; a few may have found nothing at 4 samples.
     assert!(found >= 12, "{written:?}");
     assert_eq!(written.len(), 2 * found + 1, "{written:?}");
     let sheet = folder.image("a/pyramid/pyramid.png");

@@ -6,6 +6,8 @@
 //! - the weights must be those of the densities multiplied out, and sum to one (TESTING B7);
 //! - contribution × density × count must be the same number for every technique (TESTING B6): nothing random is
 //!   left in it, so that a cosine, an η² or an adjoint factor in the wrong place cannot hide behind noise.
+//!
+//! Just above 500 lines: the judge and the paths it judges share their types and nothing else in the crate uses them.
 
 use rayon::prelude::*;
 
