@@ -78,21 +78,44 @@ fn check(name: &str, rel_mse: f64, integrators: &[(Integrator, u32)]) {
 
         let of_reference = blocks(&reference);
         let of_renders: Vec<Vec<f64>> = renders.iter().map(blocks).collect();
-        let mut z = Vec::new();
+        let moments: Vec<Moments> = (0..of_reference.len())
+            .map(|i| {
+                let mut moments = Moments::default();
+                of_renders.iter().for_each(|b| moments.push(b[i]));
+                moments
+            })
+            .collect();
+        let n = (reference.width / BLOCK) as usize;
+        // Few renders know a block's variance badly; a neighbourhood of blocks, whose noise is alike, knows it well.
+        let pooled = |i: usize| -> (f64, f64) {
+            let near = |a: usize, b: usize| a.abs_diff(b) <= 1;
+            let around = || (0..moments.len()).filter(|&j| near(i % n, j % n) && near(i / n, j / n));
+            let count = around().count() as f64;
+            let mean = around().map(|j| moments[j].variance()).sum::<f64>() / count;
+            // The block's own variance where it is the larger: a caustic's edge is not like its neighbours.
+            (mean.max(moments[i].variance()), count * (moments[i].count() - 1) as f64)
+        };
         let alpha = sidak(ALPHA, of_reference.len() as u64);
+        let mut z = Vec::new();
         for (i, r) in of_reference.iter().enumerate() {
-            let mut moments = Moments::default();
-            of_renders.iter().for_each(|b| moments.push(b[i]));
             // relMSE is over pixels and channels; a block averages 3·BLOCK² of them, the channels of a pixel alike.
             let reference_variance = rel_mse * (r * r + 1e-2) / f64::from(BLOCK * BLOCK);
-            let variance = moments.variance() / moments.count() as f64 + reference_variance;
-            let t = (moments.mean() - r) / variance.sqrt();
-            let p = student_t_two_sided(t, (moments.count() - 1) as f64);
-            assert!(p > alpha, "{what}: block {i} is {} instead of {r}, t = {t:.2}, p = {p:.1e}", moments.mean());
+            let (variance, dof) = pooled(i);
+            let t = (moments[i].mean() - r) / (variance / moments[i].count() as f64 + reference_variance).sqrt();
+            let p = student_t_two_sided(t, dof);
+            assert!(p > alpha, "{what}: block {i} is {} instead of {r}, t = {t:.2}, p = {p:.1e}", moments[i].mean());
             z.push(t);
         }
+        // And no quarter of the image may be off by more than a noisy test could miss.
+        for quarter in 0..4 {
+            let inside = |i: usize| i / n / (n / 2) == quarter / 2 && i % n / (n / 2) == quarter % 2;
+            let sum = |b: &[f64]| (0..b.len()).filter(|&i| inside(i)).map(|i| b[i]).sum::<f64>();
+            let mut ratio = Moments::default();
+            of_renders.iter().for_each(|b| ratio.push(sum(b) / sum(&of_reference) - 1.0));
+            let interval = ratio.confidence_interval(0.99);
+            assert!(interval.within(2e-2), "{what}: quarter {quarter} of the image is off by {interval:?}");
+        }
         // Correlation of neighbours along rows and columns; without structure it is about normal, of variance 1/pairs.
-        let n = (reference.width / BLOCK) as usize;
         let energy = z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64;
         let (mut sum, mut pairs) = (0.0, 0.0);
         for i in 0..z.len() {

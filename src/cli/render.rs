@@ -35,6 +35,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     phases.parse = start.elapsed();
     let crop = crop(args, desc.camera.resolution)?;
     let settings = settings(&desc, args)?;
+    check_memory(args, crop)?;
 
     let start = Instant::now();
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
@@ -48,6 +49,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     for warning in &prepared.warnings {
         say(args, &format!("warning: {warning}"));
     }
+    // The meshes have been taken over into render space: not twice in memory for the whole render.
+    desc.surfaces = Vec::new();
     let run = Run { args, desc: &desc, crop, settings, outputs };
     match args.accel {
         #[cfg(feature = "embree")]
@@ -65,7 +68,6 @@ fn say(args: &RenderArgs, text: &str) {
 /// Where images go; every place is tried before the work starts.
 fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
     let mut outputs = args.output.clone();
-    // A pyramid or a technique's study still writes the image itself: it is the sum of the others.
     if outputs.is_empty() {
         // Appended: `with_extension` would make `room.exr` of `room.v2.json`.
         let mut name = args.scene.file_stem().unwrap_or(args.scene.as_os_str()).to_owned();
@@ -132,6 +134,34 @@ fn crop(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Crop, Failure> {
         )));
     }
     Ok(Crop { x0, y0, x1, y1 })
+}
+
+/// Films larger than this are refused before anything is allocated.
+const LARGEST_FILMS: u64 = 16 << 30;
+
+/// Checks that the film, and one per technique of a pyramid, fit a sensible amount of memory.
+fn check_memory(args: &RenderArgs, crop: Crop) -> Result<(), Failure> {
+    let edges = u64::from(args.pyramid_edges);
+    // Paths of n edges are made by n + 1 techniques (t = 0 is not built).
+    let techniques = if args.pyramid.is_some() { edges * (edges + 3) / 2 } else { 0 };
+    let bytes = (techniques + 1) * crop.pixels() * crate::film::BYTES_PER_PIXEL;
+    if bytes <= LARGEST_FILMS {
+        return Ok(());
+    }
+    let gib = |b: u64| b as f64 / f64::from(1 << 30);
+    let mend = if techniques > 0 {
+        "use fewer --pyramid-edges, a smaller --size or a --crop"
+    } else {
+        "use a smaller --size or a --crop"
+    };
+    Err(Failure::usage(format!(
+        "the film of {} × {} pixels{} takes {:.1} GiB, more than the {:.0} GiB allowed; {mend}",
+        crop.width(),
+        crop.height(),
+        if techniques > 0 { format!(" for each of {techniques} techniques") } else { String::new() },
+        gib(bytes),
+        gib(LARGEST_FILMS)
+    )))
 }
 
 fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure> {

@@ -1,9 +1,10 @@
 //! Exact sums: the image has the same bits for any number of threads and any order of tiles.
 //!
-//! Floating-point addition is not associative, integer addition is. Every contribution is rounded once to a multiple
-//! of a quantum 2ᵉ, and sums are 128-bit integers. The quantum follows the scene's brightest emission alone, so that
-//! emission × 2ᵏ shifts every sum exactly. 2¹²⁸ quanta leave room for 10⁷ samples per pixel of light 2²⁷ times as
-//! bright as the brightest emitter; more than that is counted as an overflow, never wrapped.
+//! Floating-point addition is not associative, integer addition is. What a sample adds to its own pixel (summed in the
+//! sample's fixed order) and every splat is rounded once to a multiple of a quantum 2ᵉ, and sums are 128-bit integers. The quantum follows the scene's brightest emission alone, so that
+//! emission × 2ᵏ shifts every sum exactly. 2¹²⁸ quanta leave room for 10⁷ samples per pixel of light 2⁴⁷ times as
+//! bright as the brightest emitter (a point light of intensity I makes a surface at distance r shine with ρI/πr²); more
+//! than that is counted as an overflow, never wrapped.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -13,9 +14,11 @@ use crate::math::Rgb;
 /// The brightest emission is this many powers of two above the quantum.
 const BITS_BELOW_EMISSION: i32 = 56;
 
-/// Contributions beyond this many quanta are overflows: 2⁴³ of them (a megapixel of splats at 10⁷ samples, all on one
-/// pixel) still fit.
-const LARGEST: f64 = 9.671_406_556_917_033e24; // 2⁸³
+/// Contributions beyond this many quanta are overflows: 2²⁴ of them, all on one pixel, still fit.
+const LARGEST: f64 = 1.014_120_480_182_583_5e31; // 2¹⁰³
+
+/// Memory of a film with the image it resolves to.
+pub const BYTES_PER_PIXEL: u64 = 48 + 12;
 
 /// Sums of contributions, shared by all threads.
 #[derive(Debug)]
@@ -45,7 +48,12 @@ impl std::ops::AddAssign for Quanta {
 impl Accumulator {
     /// An empty sum for an image whose brightest emission (radiance or intensity, any channel) is `emission`.
     pub fn new(width: u32, height: u32, emission: f32) -> Self {
-        let exponent = if emission > 0.0 && emission.is_finite() { emission.log2().floor() as i32 } else { 0 };
+        // The exponent field of the f64, in which every positive f32 is normal: exact, as a logarithm is not.
+        let exponent = if emission > 0.0 && emission.is_finite() {
+            (f64::from(emission).to_bits() >> 52) as i32 - 1023
+        } else {
+            0
+        };
         let cells = (0..width as usize * height as usize).map(|_| Default::default()).collect();
         Self {
             width,
@@ -175,7 +183,7 @@ mod tests {
         let got = film.resolve(10_000_000).rgb[0][0];
         assert_eq!(got, 0.1);
         assert_eq!(film.overflows(), 0);
-        film.add(0, film.quantize(Rgb::splat(1e30)));
+        film.add(0, film.quantize(Rgb::splat(1e37)));
         assert_eq!(film.overflows(), 1);
         assert_eq!(film.resolve(10_000_000).rgb[0][0], got);
     }

@@ -3,5 +3,5 @@
 mod accumulator;
 mod image;
 
-pub use accumulator::{Accumulator, Quanta};
+pub use accumulator::{Accumulator, BYTES_PER_PIXEL, Quanta};
 pub use image::Image;

@@ -18,7 +18,7 @@ use crate::math::Vec3;
 pub struct Geometry {
     /// Vertex positions of all meshes, render space.
     pub positions: Vec<Vec3>,
-    /// Vertex normals (not normalised), parallel to `positions` or empty when no mesh has any;
+    /// Unit vertex normals, parallel to `positions` or empty when no mesh has any;
     /// zero for the vertices of meshes without.
     pub normals: Vec<Vec3>,
     /// Triangles as indices into `positions`.

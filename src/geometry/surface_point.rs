@@ -45,9 +45,9 @@ impl SurfacePoint {
 /// for the direction `b − a`, the rest for vertices taken relative to the origin and for the distance along the ray.
 const SEGMENT_ROUNDINGS: u32 = 8;
 
-/// Roundings that bound the distance between a point interpolated from barycentrics and the plane the traversal
-/// intersects: 7 for the interpolation (Pharr et al. 2023, (6.26)), the rest for the traversal's own edge and plane
-/// arithmetic, which works on vertices relative to the ray's origin.
+/// Roundings, relative to the corners, that bound the distance between a point interpolated from barycentrics and the
+/// plane the traversal intersects: 7 for the interpolation (Pharr et al. 2023, (6.26)), the rest for the traversal's own
+/// edge and plane arithmetic, which works on vertices relative to the ray's origin.
 const TRIANGLE_ROUNDINGS: u32 = 16;
 
 /// A quadric's point is computed in f64 and rounded once; the traversal transforms in f64 as well.
@@ -74,7 +74,9 @@ impl Geometry {
         let [a, b, c] = self.corners(triangle);
         let w = 1.0 - u - v;
         let (pa, pb, pc) = (a * w, b * u, c * v);
-        let error = (pa.abs() + pb.abs() + pc.abs()) * gamma(TRIANGLE_ROUNDINGS);
+        // The traversal's plane test is off by roundings of the vertices relative to the origin: the bound follows the
+        // corners, not the point, which may lie near zero while they do not.
+        let error = a.abs().max(b.abs()).max(c.abs()) * gamma(TRIANGLE_ROUNDINGS);
         let ng = (b - a).cross(c - a).normalize_or_zero();
         let mut ns = ng;
         let mut flat = true;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::context::{Context, Object, list, suggestion};
 use super::json::{Kind, Node, excerpt, printable};
-use super::value::{EMISSION, HALF_ANGLE, NON_NEGATIVE, POSITIVE, UNIT};
+use super::value::{EMISSION, FALLOFF, HALF_ANGLE, IOR, NON_NEGATIVE, UNIT};
 use crate::scene::desc::{MaterialDesc, MaterialKind, Place};
 
 /// The types that are built.
@@ -188,7 +188,7 @@ impl<'a> Context<'a> {
 
     fn dielectric(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
         self.check_material_keys(object, &["ior", "roughness", "transmittance", "emit", "emit_two_sided"]);
-        let ior = object.get("ior").map_or(Some(1.5), |node| self.number(node, POSITIVE));
+        let ior = object.get("ior").map_or(Some(1.5), |node| self.number(node, IOR));
         let transmittance = self.reflectance(object, "transmittance", Some(1.0));
         self.smooth(object);
         Some(MaterialKind::Dielectric { ior: ior?, transmittance: transmittance? })
@@ -240,7 +240,7 @@ impl<'a> Context<'a> {
         let intensity = self.required(object, intensity_key).and_then(|node| self.color(node, EMISSION));
         let inner = self.required(object, "inner_angle").and_then(|node| self.number(node, HALF_ANGLE));
         let outer = self.required(object, "outer_angle").and_then(|node| self.number(node, HALF_ANGLE));
-        let falloff = object.get("falloff").map_or(Some(0.5), |node| self.number(node, NON_NEGATIVE));
+        let falloff = object.get("falloff").map_or(Some(0.5), |node| self.number(node, FALLOFF));
         if let Some(profile) = object.get("profile") {
             self.choice(profile, "spot profile", &["cosine"], &["angle"])?;
         }

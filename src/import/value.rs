@@ -21,6 +21,10 @@ pub(super) const ANY: Range = Range { text: "any finite number", holds: |_| true
 pub(super) const UNIT: Range = Range { text: "0 to 1", holds: |x| (0.0..=1.0).contains(&x) };
 /// Lengths and indices of refraction.
 pub(super) const POSITIVE: Range = Range { text: "above 0", holds: |x| x > 0.0 };
+/// Indices of refraction: beyond it their squares approach the ends of f32.
+pub(super) const IOR: Range = Range { text: "0.001 to 1000", holds: |x| (1e-3..=1e3).contains(&x) };
+/// Exponents of a spot's rim: beyond it the rim is thinner than f32 can sample.
+pub(super) const FALLOFF: Range = Range { text: "0 to 10000", holds: |x| (0.0..=1e4).contains(&x) };
 /// Roughnesses and exponents.
 pub(super) const NON_NEGATIVE: Range = Range { text: "0 or above", holds: |x| x >= 0.0 };
 /// Radiance and radiant intensity: rendering computes in 32-bit floats.

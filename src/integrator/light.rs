@@ -43,10 +43,10 @@ fn trace<A: Accel>(
     let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Light(number), sample.index);
     recorder.rays.light_paths += 1;
 
-    let (id, pmf) = choice.sample(sampler.next_1d());
+    let (id, pmf) = choice.sample(sampler.next_f64());
     let light = &scene.lights[id as usize];
     sampler.set_dimension(dimensions::PART);
-    let part = if light.has_parts() { sampler.next_1d() } else { 0.0 };
+    let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
     sampler.set_dimension(dimensions::POINT);
     let (u_point, u_direction) = (sampler.next_2d(), sampler.next_2d());
     let Some(start) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };

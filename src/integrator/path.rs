@@ -92,9 +92,9 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         // s = 1: next-event estimation.
         if bsdf.is_connectible() && settings.wants(1, t) {
             sampler.set_dimension(block + dimensions::LIGHT_CHOICE);
-            let (id, pmf) = choice.sample(sampler.next_1d());
+            let (id, pmf) = choice.sample(sampler.next_f64());
             let light = &scene.lights[id as usize];
-            let part = if light.has_parts() { sampler.next_1d() } else { 0.0 };
+            let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
             sampler.set_dimension(block + dimensions::LIGHT_POINT);
             if let Some(y) = light.sample_direct(&scene.geometry, part, sampler.next_2d()) {
                 let p = y.point.p();

@@ -83,11 +83,12 @@ impl AreaLight {
 
     /// A point on the surface with its density per area. `u_part` chooses among triangles.
     #[inline]
-    pub fn sample_point(&self, geometry: &Geometry, u_part: f32, u: [f32; 2]) -> Option<(SurfacePoint, AreaPdf)> {
+    pub fn sample_point(&self, geometry: &Geometry, u_part: f64, u: [f32; 2]) -> Option<(SurfacePoint, AreaPdf)> {
         match &self.emitter {
             Emitter::Parallelogram { corner, edges, normal } => {
                 let (a, b) = (edges[0] * u[0], edges[1] * u[1]);
-                let error = (corner.abs() + a.abs() + b.abs()) * gamma(16);
+                // As for triangles, the bound follows the corners, not the point.
+                let error = (corner.abs() + edges[0].abs() + edges[1].abs()) * gamma(16);
                 let point = PointWithError { p: *corner + a + b, error };
                 let at = SurfacePoint { point, ng: *normal, ns: *normal, surface: self.surface, flat: true };
                 Some((at, AreaPdf(1.0 / self.area)))
@@ -137,7 +138,7 @@ impl AreaLight {
     pub fn sample_emission(
         &self,
         geometry: &Geometry,
-        u_part: f32,
+        u_part: f64,
         u_point: [f32; 2],
         u_dir: [f32; 2],
     ) -> Option<EmissionSample> {
@@ -179,13 +180,18 @@ fn quadric_pdf(q: &crate::geometry::Quadric, local_normal: DVec3) -> AreaPdf {
     AreaPdf(1.0 / (unit_area * q.area_stretch(local_normal)))
 }
 
-/// Recognises two triangles `abc`, `acd` that form a parallelogram.
+/// Recognises two triangles `abc`, `acd` (or, turned over, `acb`, `adc`) that form a parallelogram.
 fn parallelogram(geometry: &Geometry, triangles: &[u32]) -> Option<Emitter> {
     let &[first, second] = triangles else { return None };
-    let ([a, b, c], [a2, c2, d]) = (geometry.corners(first), geometry.corners(second));
-    if a != a2 || c != c2 {
+    let ([a, p, q], [a2, r, s]) = (geometry.corners(first), geometry.corners(second));
+    // The diagonal's end is the corner, besides the first, that both share.
+    let (b, c, d) = if a == a2 && q == r {
+        (p, q, s)
+    } else if a == a2 && p == s {
+        (r, p, q)
+    } else {
         return None;
-    }
+    };
     // Corners are rounded to f32: equal edges are equal up to that.
     let scale = a.abs().max(b.abs()).max(c.abs()).max(d.abs()).max_element();
     let gap = ((b - a) - (c - d)).abs().max_element();

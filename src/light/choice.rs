@@ -20,7 +20,7 @@ impl LightChoice {
 
     /// Chooses a light.
     #[inline]
-    pub fn sample(&self, u: f32) -> (u32, Pmf) {
+    pub fn sample(&self, u: f64) -> (u32, Pmf) {
         let (i, pmf) = self.table.sample(u);
         (i as u32, pmf)
     }

@@ -15,7 +15,7 @@ pub use spot::SpotLight;
 use std::f32::consts::PI;
 
 use crate::geometry::{Geometry, SurfacePoint};
-use crate::math::{Rgb, Vec3};
+use crate::math::{Rgb, Vec3, gamma};
 use crate::pdf::{AreaPdf, SolidAnglePdf};
 use crate::sampling::warp;
 
@@ -63,7 +63,7 @@ impl LightPoint {
     pub fn origin(&self, towards: Vec3) -> Vec3 {
         match self {
             Self::Surface(s) => s.origin(towards),
-            Self::Delta(p) => *p,
+            Self::Delta(p) => beside(*p, towards.normalize_or_zero(), 0.0),
         }
     }
 
@@ -72,7 +72,11 @@ impl LightPoint {
     pub fn segment_end(&self, from: Vec3) -> Vec3 {
         match self {
             Self::Surface(s) => s.segment_end(from),
-            Self::Delta(p) => *p,
+            Self::Delta(p) => {
+                let back = from - *p;
+                let length = back.length();
+                if length > 0.0 { beside(*p, back / length, length) } else { *p }
+            }
         }
     }
 
@@ -85,6 +89,13 @@ impl LightPoint {
             Self::Delta(_) => 1.0,
         }
     }
+}
+
+/// A delta point moved towards the unit vector `w` by what the traversal of a segment of this length may be off, so that
+/// a surface it stands on does not hide it. Render space is about one unit large, and so are its largest triangles.
+#[inline]
+fn beside(p: Vec3, w: Vec3, length: f32) -> Vec3 {
+    p + w * (gamma(16) * (1.0 + p.abs().max_element() + length))
 }
 
 /// The first vertex of a light subpath and its first direction.
@@ -138,7 +149,7 @@ impl Light {
     pub fn sample_emission(
         &self,
         geometry: &Geometry,
-        u_part: f32,
+        u_part: f64,
         u_position: [f32; 2],
         u_direction: [f32; 2],
     ) -> Option<EmissionSample> {
@@ -168,7 +179,7 @@ impl Light {
 
     /// A point on the light for next-event estimation.
     #[inline]
-    pub fn sample_direct(&self, geometry: &Geometry, u_part: f32, u: [f32; 2]) -> Option<DirectSample> {
+    pub fn sample_direct(&self, geometry: &Geometry, u_part: f64, u: [f32; 2]) -> Option<DirectSample> {
         match self {
             Self::Area(l) => {
                 let (point, pdf) = l.sample_point(geometry, u_part, u)?;

@@ -132,6 +132,17 @@ struct Totals {
     rejected_first: Vec<Rejected>,
 }
 
+impl Totals {
+    /// Keeps the first few of all rejected contributions, in order of pixel and sample.
+    fn keep(&mut self, more: &[Rejected]) {
+        if !more.is_empty() {
+            self.rejected_first.extend_from_slice(more);
+            self.rejected_first.sort_by_key(|r| ([r.pixel[1], r.pixel[0]], r.sample, r.technique));
+            self.rejected_first.truncate(16);
+        }
+    }
+}
+
 impl<'a, A: Accel> Run<'a, A> {
     fn new(scene: &'a Scene<A>, job: &'a RenderJob, progress: &'a (dyn Fn(Progress) -> bool + Sync)) -> Self {
         let emission = scene.lights.iter().map(brightness).fold(0.0, f32::max);
@@ -208,7 +219,7 @@ impl<'a, A: Accel> Run<'a, A> {
             totals.rays += recorder.rays;
             let (count, first) = recorder.rejected();
             totals.rejected += count;
-            totals.rejected_first.extend_from_slice(first);
+            totals.keep(first);
         }
         let total = self.region.pixels() * u64::from(self.job.samples);
         let seconds = self.start.elapsed().as_secs_f64();
@@ -239,15 +250,12 @@ impl<'a, A: Accel> Run<'a, A> {
         let samples = u64::from(self.job.samples);
         let totals = self.totals.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         let films = self.techniques.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let mut rejected_first = totals.rejected_first;
-        rejected_first.sort_by_key(|r| ([r.pixel[1], r.pixel[0]], r.sample, r.technique));
-        rejected_first.truncate(16);
         Rendered {
             image: self.film.resolve(samples),
             techniques: films.into_iter().map(|(t, film)| (t, film.resolve(samples))).collect(),
             rays: totals.rays,
             rejected: totals.rejected,
-            rejected_first,
+            rejected_first: totals.rejected_first,
             overflows: self.film.overflows(),
             stopped: self.stopped.load(Ordering::Relaxed),
         }

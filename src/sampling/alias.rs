@@ -7,7 +7,7 @@ use crate::pdf::Pmf;
 #[derive(Clone, Debug)]
 pub struct AliasTable {
     /// Probability of keeping a bin, and what to take otherwise.
-    bins: Vec<(f32, u32)>,
+    bins: Vec<(f64, u32)>,
     pmf: Vec<f32>,
 }
 
@@ -24,7 +24,7 @@ impl AliasTable {
         let mut bins = vec![(1.0, 0); n];
         while let (Some(&s), Some(&l)) = (small.last(), large.last()) {
             small.pop();
-            bins[s] = (scaled[s] as f32, l as u32);
+            bins[s] = (scaled[s], l as u32);
             scaled[l] -= 1.0 - scaled[s];
             if scaled[l] < 1.0 {
                 large.pop();
@@ -49,18 +49,19 @@ impl AliasTable {
         self.bins.is_empty()
     }
 
-    /// Chooses an outcome by one uniform number.
+    /// Chooses an outcome by one uniform number in [0, 1). It decides twice, for a bin and for what the bin holds, and
+    /// therefore needs all the bits of an f64 (`Sampler::next_f64`): among 10⁶ outcomes, 24 bits would leave 4 for the
+    /// second decision.
     #[inline]
-    pub fn sample(&self, u: f32) -> (usize, Pmf) {
+    pub fn sample(&self, u: f64) -> (usize, Pmf) {
         let n = self.bins.len();
         if n == 1 {
             return (0, Pmf(1.0));
         }
-        // In f64: with millions of bins an f32 has no bits left for the second decision.
-        let x = f64::from(u) * n as f64;
+        let x = u * n as f64;
         let i = (x as usize).min(n - 1);
         let (keep, alias) = self.bins[i];
-        let chosen = if ((x - i as f64) as f32) < keep { i } else { alias as usize };
+        let chosen = if x - (i as f64) < keep { i } else { alias as usize };
         (chosen, Pmf(self.pmf[chosen]))
     }
 
@@ -82,7 +83,7 @@ mod tests {
         let mut counts = [0u32; 5];
         let n = 1_000_000;
         for i in 0..n {
-            let (k, pmf) = table.sample((i as f32 + 0.5) / n as f32);
+            let (k, pmf) = table.sample((f64::from(i) + 0.5) / f64::from(n));
             counts[k] += 1;
             assert_eq!(pmf, table.pmf(k));
         }
@@ -90,6 +91,49 @@ mod tests {
         let total: f64 = weights.iter().sum();
         for (c, w) in counts.iter().zip(weights) {
             assert!((f64::from(*c) / f64::from(n) - w / total).abs() < 1e-5, "{counts:?}");
+        }
+    }
+
+    /// What the table does over all of [0, 1): the measure of the u that lead to each outcome.
+    fn measures(table: &AliasTable) -> Vec<f64> {
+        let n = table.len() as f64;
+        let mut p = vec![0.0; table.len()];
+        for (i, &(keep, alias)) in table.bins.iter().enumerate() {
+            p[i] += keep.min(1.0) / n;
+            p[alias as usize] += (1.0 - keep).max(0.0) / n;
+        }
+        p
+    }
+
+    #[test]
+    fn many_and_very_different_weights_keep_their_probabilities() {
+        let many: Vec<f64> = (0..1_000_000u32).map(|i| 0.5 + (f64::from(i) * 0.618_034).fract()).collect();
+        let one_bright: Vec<f64> = (0..1000).map(|i| if i == 500 { 1e12 } else { 1.0 }).collect();
+        for weights in [many, one_bright] {
+            let table = AliasTable::new(&weights).expect("valid weights");
+            let total: f64 = weights.iter().sum();
+            for (i, p) in measures(&table).into_iter().enumerate() {
+                let want = weights[i] / total;
+                // Differences of numbers of order 1/n, in f64.
+                assert!((p - want).abs() < 1e-6 * want + 1e-16, "{i}: {p} for {want}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_samplers_numbers_reach_every_bin_and_both_halves() {
+        use crate::sampling::{Sampler, SamplerKind, Stream};
+        let n = 1 << 20;
+        let weights: Vec<f64> = (0..n).map(|i| if i % 2 == 0 { 0.75 } else { 1.25 }).collect();
+        let table = AliasTable::new(&weights).expect("valid weights");
+        for kind in [SamplerKind::Sobol, SamplerKind::Independent] {
+            let draws = 1 << 21;
+            let even = (0..draws)
+                .filter(|&i| table.sample(Sampler::new(kind, 5, 6, Stream::Camera, i).next_f64()).0 % 2 == 0)
+                .count();
+            // Binomial with p = 3/8: five standard deviations.
+            let off = even as f64 - 0.375 * f64::from(draws);
+            assert!(off.abs() < 5.0 * (0.375f64 * 0.625 * f64::from(draws)).sqrt(), "{kind:?}: {even}");
         }
     }
 

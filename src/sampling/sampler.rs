@@ -63,6 +63,22 @@ impl Sampler {
         }
     }
 
+    /// The next number, uniform in [0, 1), with all the bits of an f64: for choices among many.
+    #[inline]
+    pub fn next_f64(&mut self) -> f64 {
+        let h = self.next_hash();
+        let bits = match self.kind {
+            SamplerKind::Independent => h,
+            SamplerKind::Sobol => {
+                let shuffled = self.shuffled_index(h as u32);
+                let high = scramble(shuffled, (h >> 32) as u32).reverse_bits();
+                // Below the 32 bits of the sequence the scramble's are independent per sample.
+                u64::from(high) << 32 | mix(h ^ u64::from(self.index)) >> 32
+            }
+        };
+        (bits >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+    }
+
     /// The next pair, uniform in [0, 1)².
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {

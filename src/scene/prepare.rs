@@ -239,7 +239,16 @@ impl Builder {
         triangles: &[[u32; 3]],
         index: u32,
     ) -> Vec<u32> {
-        let first = self.geometry.positions.len() as u32;
+        let Some(first) = u32::try_from(self.geometry.positions.len() + positions.len())
+            .ok()
+            .map(|_| self.geometry.positions.len() as u32)
+        else {
+            self.errors.push(Diagnostic {
+                at: surface.at.clone(),
+                message: "more than 4294967295 vertices in all; split the scene or simplify its meshes".into(),
+            });
+            return Vec::new();
+        };
         let inverse_transpose = to_render.matrix3.inverse().transpose();
         self.geometry.positions.extend(positions.iter().map(|p| to_render.transform_point3(*p).as_vec3a()));
         if normals.is_empty() {
@@ -255,7 +264,9 @@ impl Builder {
             let t = if flip { [a, c, b] } else { [a, b, c] };
             let t = t.map(|i| first + i);
             let id = self.geometry.triangles.len() as u32;
-            if triangle_area(t.map(|i| self.geometry.positions[i as usize])) > 0.0 {
+            // By the test of the shading, whose normal has to exist in f32.
+            let [a, b, c] = t.map(|i| self.geometry.positions[i as usize]);
+            if triangle_area([a, b, c]) > 0.0 && (b - a).cross(c - a).try_normalize().is_some() {
                 self.geometry.triangles.push(t);
                 self.geometry.triangle_surface.push(index);
                 kept.push(id);

@@ -256,7 +256,7 @@ fn hidden_by_itself<A: Accel>(json: &Value, random: &mut Random) -> usize {
     let mut hidden = 0;
     for _ in 0..4000 {
         let [part, u, v] = [0; 3].map(|_| (random.uniform() as f32).min(1.0 - f32::EPSILON / 2.0));
-        let Some(y) = light.sample_direct(&scene.geometry, part, [u, v]) else { continue };
+        let Some(y) = light.sample_direct(&scene.geometry, f64::from(part), [u, v]) else { continue };
         let wi = y.point.p() - at.p();
         // Beyond grazing angles by rounding it would be the receiver or the light's back.
         let faces = wi.normalize().dot(at.ng) > 1e-3 && y.point.cos(-wi.normalize()) > 1e-3;

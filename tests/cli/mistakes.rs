@@ -232,7 +232,7 @@ const LIGHTS: &[Scene] = &[
     Scene {
         what: "An index of refraction of zero",
         text: r#"{"camera": {}, "materials": [{"name": "m", "type": "dielectric", "ior": «0}]}"#,
-        messages: &["/materials/0/ior: 0 is out of range; allowed: above 0"],
+        messages: &["/materials/0/ior: 0 is out of range; allowed: 0.001 to 1000"],
     },
     Scene {
         what: "A light's material without a delta point",

@@ -176,7 +176,7 @@ fn all_mistakes_of_a_file_are_reported_in_its_order() {
             "/surfaces/0/material: no material is named \"glas\"; did you mean \"glass\"? known: glass, broken",
             "/surfaces/1/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, \
              flip_normals, size",
-            "/materials/0/ior: 0 is out of range; allowed: above 0",
+            "/materials/0/ior: 0 is out of range; allowed: 0.001 to 1000",
             "/materials/1/type: unknown material type \"lambertain\"; did you mean \"lambertian\"? allowed: lambertian, \
              mirror, metal, dielectric, diffuse light, point light, spot light, null",
             "/camera/vfov: 180 is out of range; allowed: between 0 and 180 degrees",

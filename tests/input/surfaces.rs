@@ -26,8 +26,8 @@ fn materials() {
                 r#""type": "dielectric", "roughness": «0.2"#,
                 "/materials/0/roughness: roughness 0.2 is not supported yet; supported: 0 (smooth)",
             ),
-            (r#""type": "dielectric", "ior": «0"#, "/materials/0/ior: 0 is out of range; allowed: above 0"),
-            (r#""type": "dielectric", "ior": «-1.5"#, "/materials/0/ior: -1.5 is out of range; allowed: above 0"),
+            (r#""type": "dielectric", "ior": «0"#, "/materials/0/ior: 0 is out of range; allowed: 0.001 to 1000"),
+            (r#""type": "dielectric", "ior": «-1.5"#, "/materials/0/ior: -1.5 is out of range; allowed: 0.001 to 1000"),
             (
                 r#""type": "dielectric", "transmittance": «1.5"#,
                 "/materials/0/transmittance: 1.5 is out of range; allowed: 0 to 1",
@@ -167,7 +167,7 @@ fn delta_points_and_their_lights() {
             ),
             (
                 r#"{"type": "spot light", "emit": 1, "inner_angle": 20, "outer_angle": 30, "falloff": «-1}"#,
-                "/surfaces/0/material/falloff: -1 is out of range; allowed: 0 or above",
+                "/surfaces/0/material/falloff: -1 is out of range; allowed: 0 to 10000",
             ),
             (
                 r#"{"type": "spot light", "emit": 1, "inner_angle": 20, "outer_angle": 30, "profile": «"angle"}"#,

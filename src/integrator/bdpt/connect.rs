@@ -85,9 +85,9 @@ impl Bdpt {
         recorder: &mut Recorder,
     ) {
         let (Some(choice), true) = (&scene.light_choice, self.settings.wants(1, z.number)) else { return };
-        let (id, pmf) = choice.sample(sampler.next_1d());
+        let (id, pmf) = choice.sample(sampler.next_f64());
         let light = &scene.lights[id as usize];
-        let part = if light.has_parts() { sampler.next_1d() } else { 0.0 };
+        let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
         sampler.set_dimension(block + dimensions::LIGHT_POINT);
         let Some(y) = light.sample_direct(&scene.geometry, part, sampler.next_2d()) else { return };
         let pdf_direct = (y.pdf * pmf).0;

@@ -41,8 +41,8 @@ impl Bdpt {
     /// For a pass in which `light_paths_per_pass` light subpaths are traced.
     pub fn new<A: Accel>(scene: &Scene<A>, settings: Settings, light_paths_per_pass: f64) -> Self {
         // Without a surface to connect to, light subpaths could only show the lights themselves, which camera
-        // subpaths do better. What is not traced counts zero in the weights.
-        let useful = scene.needs.light && (scene.needs.connections || settings.only.is_some());
+        // subpaths do better (unweighted, they are what is asked for). What is not traced counts zero in the weights.
+        let useful = scene.needs.light && (scene.needs.connections || !settings.weighted);
         let light_paths = if useful { settings.light_paths } else { 0 };
         let light_paths_per_pass = if useful { light_paths_per_pass } else { 0.0 };
         let connections = settings.connections.min(light_paths);

@@ -7,6 +7,9 @@
 //! - contribution × density × count must be the same number for every technique (TESTING B6): nothing random is
 //!   left in it, so that a cosine, an η² or an adjoint factor in the wrong place cannot hide behind noise.
 //!
+//! The densities come from the lights, the camera and the BSDFs under test: that they are the densities of what is
+//! sampled is for the tests of those to show.
+//!
 //! Just above 500 lines: the judge and the paths it judges share their types and nothing else in the crate uses them.
 
 use rayon::prelude::*;
@@ -247,12 +250,7 @@ impl Judge<'_> {
             let (with, without) = (value(self.weighted)?, value(self.plain)?);
             let (with, without) = (f64::from(with.max_element()), f64::from(without.max_element()));
             let oracle = terms[s] / total;
-            verdicts.push(Verdict {
-                s,
-                weight: with / without,
-                oracle,
-                measurement: without * density(s) * count(s),
-            });
+            verdicts.push(Verdict { s, weight: with / without, oracle, measurement: without * density(s) * count(s) });
         }
         Some(verdicts)
     }
@@ -382,9 +380,9 @@ fn scene() -> Scene<BvhAccel> {
 /// The vertices of a random light and a random camera subpath, joined at a random pair.
 fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
     let mut u = Sampler::new(SamplerKind::Independent, 77, 0, Stream::Light(0), index);
-    let (light, _) = scene.light_choice.as_ref()?.sample(u.next_1d());
+    let (light, _) = scene.light_choice.as_ref()?.sample(u.next_f64());
     let emission =
-        scene.lights[light as usize].sample_emission(&scene.geometry, u.next_1d(), u.next_2d(), u.next_2d())?;
+        scene.lights[light as usize].sample_emission(&scene.geometry, u.next_f64(), u.next_2d(), u.next_2d())?;
     let ray = Ray::new(emission.point.origin(emission.w), emission.w);
     let mut light_walk = walk(scene, ray, Transport::Importance, &mut u, 5);
     let pixel = [(u.next_1d() * 32.0) as u32, (u.next_1d() * 24.0) as u32];
@@ -507,8 +505,7 @@ fn weights_partition_unity_and_every_technique_measures_the_same() {
             connections: f64::from(connections),
             light_paths: per_pass,
         };
-        let seen =
-            (0..tries).into_par_iter().map(|i| Seen::path(&judge, i)).reduce(Seen::default, Seen::merge);
+        let seen = (0..tries).into_par_iter().map(|i| Seen::path(&judge, i)).reduce(Seen::default, Seen::merge);
         println!(
             "{heuristic:?} {light_paths}/{connections}: {} paths ({} with delta vertices), {} techniques; worst Σw−1 \
              {:.1e}, weight {:.1e}, identity {:.1e}; {} beyond 1e-4 next to delta vertices",

@@ -16,10 +16,10 @@ impl Bdpt {
     pub(super) fn walk_light<A: Accel>(&mut self, scene: &Scene<A>, mut sampler: Sampler, recorder: &mut Recorder) {
         let Some(choice) = &scene.light_choice else { return };
         recorder.rays.light_paths += 1;
-        let (id, pmf) = choice.sample(sampler.next_1d());
+        let (id, pmf) = choice.sample(sampler.next_f64());
         let light = &scene.lights[id as usize];
         sampler.set_dimension(light_dimensions::PART);
-        let part = if light.has_parts() { sampler.next_1d() } else { 0.0 };
+        let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
         sampler.set_dimension(light_dimensions::POINT);
         let (u_point, u_direction) = (sampler.next_2d(), sampler.next_2d());
         let Some(emission) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };

@@ -1,0 +1,185 @@
+//! Where rounding is at its worst: rays must leave the surface they start on, whatever it looks like, and lights must
+//! shine wherever they stand.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{DefaultAccel, Random, render_once, scene, scene_on, settings};
+use serde_json::{Value, json};
+use twinlight::accel::bvh::BvhAccel;
+use twinlight::accel::{Accel, AccelOptions};
+use twinlight::geometry::{Geometry, GeometryKind};
+use twinlight::integrator::{Integrator, Settings, Technique};
+use twinlight::math::{Ray, Vec3};
+
+/// Rays from random points of random triangles into the hemisphere above and below: none may meet its triangle.
+fn rays_leave_their_triangles<A: Accel>(random: &mut Random) {
+    let mut rays = 0;
+    for case in 0..300 {
+        let mut corner = |scale: f64| {
+            let mut x = || (random.between(-1.0, 1.0) * scale) as f32;
+            Vec3::new(x(), x(), x())
+        };
+        // A corner at the centre of render space, where a point's own coordinates say nothing of its triangle's size;
+        // one beside it; thin, tiny and ordinary triangles.
+        let a = match case % 3 {
+            0 => Vec3::ZERO,
+            1 => corner(1e-3),
+            _ => corner(1.0),
+        };
+        let b = corner(1.0);
+        let c = match case % 4 {
+            0 => b * 0.9 + corner(1.0) * 0.02,
+            1 => a + corner(1e-4),
+            _ => corner(1.0),
+        };
+        let geometry = Arc::new(Geometry {
+            positions: vec![a, b, c],
+            triangles: vec![[0, 1, 2]],
+            triangle_surface: vec![0],
+            ..Geometry::default()
+        });
+        if (b - a).cross(c - a).try_normalize().is_none() {
+            continue;
+        }
+        let accel = A::build(Arc::clone(&geometry), AccelOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        for _ in 0..300 {
+            // Half of the points close to a corner.
+            let s = random.uniform() * if random.uniform() < 0.5 { 1e-3 } else { 1.0 };
+            let u = (s * random.uniform()) as f32;
+            let v = s as f32 - u;
+            let at = geometry.triangle_point(0, u, v);
+            let mut w = random.direction().as_vec3a();
+            if random.uniform() < 0.3 {
+                // Close to grazing.
+                w = (w - at.ng * (w.dot(at.ng) * 0.999)).normalize();
+            }
+            let hit = accel.intersect(&Ray::new(at.origin(w), w));
+            assert!(hit.is_none(), "{}: a ray meets its own triangle {a} {b} {c} at ({u}, {v}): {hit:?}", A::NAME);
+            // A segment that ends on the triangle does not meet it either.
+            let from = at.p() + w * 0.7;
+            let segment = Ray::segment(from, at.segment_end(from));
+            assert!(!accel.occluded(&segment), "{}: {a} {b} {c} hides its own point ({u}, {v}) from {from}", A::NAME);
+            rays += 1;
+        }
+    }
+    assert!(rays > 50_000);
+}
+
+#[test]
+fn no_ray_meets_the_triangle_it_leaves() {
+    rays_leave_their_triangles::<DefaultAccel>(&mut Random(1));
+    rays_leave_their_triangles::<BvhAccel>(&mut Random(2));
+}
+
+/// A triangle with a corner at the scene's centre reflects as much on either accelerator.
+#[test]
+fn a_corner_at_the_centre_loses_no_light() {
+    let tiny = |x: f64| {
+        json!({"type": "quad", "size": 0.001, "transform": {"translate": [x, x, x]},
+               "material": {"type": "lambertian", "albedo": 0.1}})
+    };
+    let file = json!({
+        "camera": {"transform": {"from": [0.06, 0.3, 0.06], "at": [0.06, 0.0, 0.06], "up": [1, 0, 0]},
+                   "resolution": [32, 32], "vfov": 6},
+        "surfaces": [
+            {"type": "triangle", "positions": [[0.9, 0.21, 0.1], [0, 0, 0], [0.1, -0.17, 0.95]],
+             "material": {"type": "lambertian", "albedo": 0.5, "two_sided": true}},
+            tiny(1.0), tiny(-1.0)],
+        "lights": [{"type": "point", "position": [0.1, 0.6, 0.05], "intensity": 1}]
+    });
+    let geometry = scene(&file).geometry;
+    assert!(
+        geometry
+            .surface_point(
+                &Ray::new(Vec3::ZERO, Vec3::X),
+                &twinlight::geometry::Hit { t: 0.0, geometry: GeometryKind::Triangle, primitive: 0, u: 1.0, v: 0.0 }
+            )
+            .p()
+            .length()
+            < 1e-6,
+        "the corner is not at the centre of render space"
+    );
+    let direct = settings(Integrator::Path, 1);
+    let a = render_once(&scene(&file), direct, 16, None).image.mean()[0];
+    let b = render_once(&scene_on::<BvhAccel>(&file, AccelOptions::default()), direct, 16, None).image.mean()[0];
+    assert!(a > 0.1 && (a / b - 1.0).abs() < 1e-4, "{a} {b}");
+}
+
+/// A room of which a point light touches the ceiling.
+fn room_with_light_at(y: f64) -> Value {
+    let white = json!({"type": "lambertian", "albedo": 0.5, "two_sided": true});
+    let quad = |turn: Value, shift: [f64; 3]| json!({"type": "quad", "size": 2, "transform": [{"rotate": turn}, {"translate": shift}], "material": white});
+    json!({
+        "camera": {"transform": {"from": [0, 0, 0.9], "at": [0, -0.5, 0], "up": [0, 1, 0]}, "resolution": [16, 16],
+                   "vfov": 60},
+        "surfaces": [
+            quad(json!([-90, 1, 0, 0]), [0.0, -1.0, 0.0]), quad(json!([90, 1, 0, 0]), [0.0, 1.0, 0.0]),
+            quad(json!([0, 1, 0, 0]), [0.0, 0.0, -1.0]), quad(json!([90, 0, 1, 0]), [-1.0, 0.0, 0.0]),
+            quad(json!([-90, 0, 1, 0]), [1.0, 0.0, 0.0]), quad(json!([180, 1, 0, 0]), [0.0, 0.0, 1.0])],
+        "lights": [{"type": "point", "position": [0.2, y, -0.1], "intensity": 2}]
+    })
+}
+
+#[test]
+fn a_point_light_on_a_surface_shines() {
+    let direct = |y: f64, integrator| {
+        let scene = scene(&room_with_light_at(y));
+        render_once(&scene, settings(integrator, 1), 64, None).image.mean()[0]
+    };
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        let (on, below) = (direct(1.0, integrator), direct(0.999, integrator));
+        assert!((on / below - 1.0).abs() < 0.02, "{integrator:?}: {on} on the ceiling, {below} just below");
+    }
+}
+
+#[test]
+fn a_light_close_to_a_surface_overflows_nothing() {
+    let file = json!({
+        "camera": {"transform": {"from": [0, 1e-4, 2e-4], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [16, 16],
+                   "vfov": 30},
+        "surfaces": [{"type": "quad", "size": 2, "transform": {"rotate": [-90, 1, 0, 0]},
+                      "material": {"type": "lambertian", "albedo": 0.7}}],
+        "lights": [{"type": "point", "position": [0, 1e-5, 0], "intensity": 1}]
+    });
+    // `render_once` requires that nothing is rejected and nothing overflows.
+    let mean = render_once(&scene(&file), settings(Integrator::Path, 1), 8, None).image.mean()[0];
+    assert!(mean > 1e5, "{mean}");
+}
+
+/// A technique rendered alone is its part of the whole, also where light subpaths are skipped.
+#[test]
+fn a_technique_alone_keeps_its_weight_without_a_connectible_surface() {
+    let file = json!({
+        "camera": {"transform": {"from": [0, 0, 2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [16, 16], "vfov": 60},
+        "surfaces": [{"type": "quad", "size": 1, "material": {"type": "diffuse light", "emit": 3}}]
+    });
+    let scene = scene(&file);
+    let all = settings(Integrator::Bdpt, 4);
+    let pyramid = render_once(&scene, all, 8, Some(4));
+    let whole: f64 = pyramid.image.mean()[0];
+    let t = Technique { s: 0, t: 2 };
+    let alone = render_once(&scene, Settings { only: Some(t), ..all }, 8, None).image;
+    assert_eq!(alone.rgb, pyramid.techniques[&t].rgb);
+    assert!((alone.mean()[0] / whole - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_crop_has_the_full_images_bits() {
+    use twinlight::integrator::Crop;
+    use twinlight::render::RenderJob;
+    let scene = scene(&room_with_light_at(0.7));
+    let crop = Crop { x0: 3, y0: 5, x1: 12, y1: 7 };
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        let settings = settings(integrator, 5);
+        let full = render_once(&scene, settings, 4, None).image;
+        let job = RenderJob { settings, samples: 4, crop, threads: 2, pyramid: None };
+        let part = common::render_job(&scene, &job).image;
+        for y in 0..crop.height() {
+            for x in 0..crop.width() {
+                assert_eq!(part.get(x, y), full.get(x + crop.x0, y + crop.y0), "{integrator:?} {x},{y}");
+            }
+        }
+    }
+}
