@@ -65,11 +65,10 @@ fn check(name: &str, rel_mse: f64, integrators: &[(Integrator, u32)]) {
         let renders = images(&scene, settings(integrator, 64), budget);
         let what = format!("cornell_{name}, {integrator:?}");
 
-        let want = reference.mean();
-        for channel in 0..3 {
+        for (channel, want) in reference.mean().into_iter().enumerate() {
             let mut moments = Moments::default();
             for image in &renders {
-                moments.push(image.mean()[channel] / want[channel] - 1.0);
+                moments.push(image.mean()[channel] / want - 1.0);
             }
             let interval = moments.confidence_interval(0.99);
             println!("{what}, channel {channel}: ratio − 1 in [{:+.5}, {:+.5}]", interval.low, interval.high);
