@@ -98,7 +98,7 @@ fn many_lights_are_cut_and_a_dark_scene_is_said_to_be() {
     assert_eq!(text.matches("    point, power ").count(), 20);
     folder.write("dark.json", r#"{"camera": {}}"#);
     let text = folder.ok(&["info", "dark.json"]).stdout;
-    assert!(text.contains("    everything but primary rays: nothing shines\n"), "{text}");
+    assert!(text.contains("    every ray: nothing shines\n"), "{text}");
     assert!(text.ends_with("  note: dark.json:1:12: /camera: nothing in the scene shines: the image will be black\n"));
 }
 

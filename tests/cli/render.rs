@@ -143,11 +143,13 @@ fn statistics_have_every_field() {
         "peak_memory_bytes",
         "rays",
         "roulette",
+        "roulette_after",
         "sampler",
         "scene",
         "seconds",
         "seed",
         "spp",
+        "technique",
         "threads",
         "version",
     ];
