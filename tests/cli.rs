@@ -1,7 +1,8 @@
 //! The built program as its user runs it: what it writes, what it says and with which status it ends.
 //!
 //! Every test has a folder of its own, which is the program's current folder. `docs/ERRORS.md` is made from the
-//! tables of `cli/mistakes.rs`: `UPDATE_DOCS=1 cargo test --test cli` writes it, otherwise a stale page fails.
+//! tables of `cli/mistakes.rs` and `cli/arguments.rs`: `UPDATE_DOCS=1 cargo test --test cli` writes it, otherwise a
+//! stale page fails.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,6 +12,8 @@ use std::process::{Command, Output, Stdio};
 use twinlight::film::Image;
 use twinlight::output::read_image;
 
+#[path = "cli/arguments.rs"]
+mod arguments;
 #[path = "cli/errors_page.rs"]
 mod errors_page;
 #[path = "cli/failures.rs"]

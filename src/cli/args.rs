@@ -72,11 +72,11 @@ pub struct RenderArgs {
     /// Say nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
-    /// Stops by which PNG images are brightened
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
-    pub exposure: f32,
+    /// Stops by which PNG images are brightened [default: 0]
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
+    pub exposure: Option<f32>,
     /// How techniques share a path [default: the scene's]
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", conflicts_with = "unweighted")]
     pub heuristic: Option<HeuristicArg>,
     /// Point set [default: the scene's]
     #[arg(long, value_name = "X")]
@@ -87,24 +87,24 @@ pub struct RenderArgs {
     /// Let the first N scatterings of a subpath be free of roulette [default: 3 for path, 2 for bdpt and light]
     #[arg(long, value_name = "N", conflicts_with = "no_roulette")]
     pub roulette_after: Option<u32>,
-    /// Light subpaths per camera sample (bdpt, light); 0 turns bdpt into path tracing
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=1024))]
-    pub light_paths: u32,
-    /// How many of them each camera vertex connects to (bdpt)
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=1024))]
-    pub connections: u32,
+    /// Light subpaths per camera sample (bdpt, light); 0 turns bdpt into path tracing [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
+    pub light_paths: Option<u32>,
+    /// How many of them each camera vertex connects to (bdpt) [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
+    pub connections: Option<u32>,
     /// Render one technique alone: s light vertices, t camera vertices (the camera's own included)
     #[arg(long, value_name = "s,t")]
     pub technique: Option<TechniqueArg>,
     /// Leave out the MIS weights (with --technique)
     #[arg(long, requires = "technique")]
     pub unweighted: bool,
-    /// Write an image per technique into this folder, weighted, for paths of up to --pyramid-edges edges
+    /// Write an image per technique, weighted, and a sheet of them all into this folder
     #[arg(long, value_name = "DIR")]
     pub pyramid: Option<PathBuf>,
-    /// Longest paths of the pyramid, in edges
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=64))]
-    pub pyramid_edges: u32,
+    /// Longest paths of the pyramid, in edges [default: 6]
+    #[arg(long, value_name = "N", requires = "pyramid", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub pyramid_edges: Option<u32>,
 }
 
 #[derive(Debug, Args)]
@@ -136,9 +136,9 @@ pub struct ConvertArgs {
     pub input: PathBuf,
     /// Image to write (.exr, .png)
     pub output: PathBuf,
-    /// Stops by which a PNG is brightened
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
-    pub exposure: f32,
+    /// Stops by which a PNG is brightened [default: 0]
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
+    pub exposure: Option<f32>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

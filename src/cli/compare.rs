@@ -3,14 +3,21 @@
 use serde_json::json;
 
 use super::args::CompareArgs;
-use super::{Failure, print, same_file, status};
+use super::{Failure, print, same_file, status, tell};
 use crate::compare::{Metrics, metrics};
 use crate::film::Image;
-use crate::output::{self, Metadata};
+use crate::output::{self, Format, Metadata};
 
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(path) = &args.difference {
-        output::check_writable(path).map_err(Failure::usage)?;
+        let format = output::check_writable(path).map_err(Failure::usage)?;
+        if format != Format::Png {
+            return Err(Failure::usage(format!(
+                "--difference {}: the difference is a picture in false colours, not data; give it a name that ends in \
+                 .png",
+                path.display()
+            )));
+        }
         if same_file(path, &args.image) || same_file(path, &args.reference) {
             return Err(Failure::usage(format!(
                 "{}: this is an image to compare; choose another name",
@@ -18,10 +25,16 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
             )));
         }
     }
-    let read = |path| output::read_image(path).map_err(|e| Failure::new(status::DATA, e));
+    let read = |path| output::read_image(path).map_err(Failure::image);
     let (image, reference) = (read(&args.image)?, read(&args.reference)?);
     let m = metrics(&image, &reference).map_err(|e| Failure::new(status::DATA, e))?;
-    print(&if args.json { format!("{:#}\n", to_json(&m)) } else { to_text(&m) });
+    let notes = notes(args, &image, &reference);
+    if args.json {
+        print(&format!("{:#}\n", to_json(&m, &notes)));
+    } else {
+        print(&to_text(&m));
+        notes.iter().for_each(|note| tell(&format!("note: {note}\n")));
+    }
     if let Some(path) = &args.difference {
         let picture = difference(&image, &reference);
         output::write_image(path, &picture, &Metadata::default(), 0.0).map_err(Failure::other)?;
@@ -29,7 +42,26 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn to_json(m: &Metrics) -> serde_json::Value {
+/// What the figures do not show. A PNG beside an EXR has lost what does not fit into it.
+fn notes(args: &CompareArgs, image: &Image, reference: &Image) -> Vec<String> {
+    let formats = [&args.image, &args.reference].map(|path| output::format_of_content(path));
+    let (png, exr, linear) = match formats {
+        [Some(Format::Png), Some(Format::Exr)] => (&args.image, &args.reference, reference),
+        [Some(Format::Exr), Some(Format::Png)] => (&args.reference, &args.image, image),
+        _ => return Vec::new(),
+    };
+    let outside = |pixel: &&[f32; 3]| pixel.iter().any(|v| !(0.0..=1.0).contains(v));
+    let clipped = linear.rgb.iter().filter(outside).count() as f64 / linear.rgb.len().max(1) as f64;
+    vec![format!(
+        "{} is a PNG: clipped to 0…1 ({} % of the pixels of {} are not within), rounded to its bits, and scaled if it \
+         was written with an exposure; the figures hold these differences, too: compare two EXR files",
+        png.display(),
+        super::figures(100.0 * clipped),
+        exr.display()
+    )]
+}
+
+fn to_json(m: &Metrics, notes: &[String]) -> serde_json::Value {
     json!({
         "mean": m.mean_a,
         "mean_reference": m.mean_ref,
@@ -41,6 +73,7 @@ fn to_json(m: &Metrics) -> serde_json::Value {
         "max_at": m.max_at,
         "non_finite": m.non_finite_a,
         "non_finite_reference": m.non_finite_ref,
+        "notes": notes,
     })
 }
 

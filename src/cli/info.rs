@@ -1,105 +1,177 @@
 //! `twinlight info`: what is in a scene, what it needs, what will be skipped.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::args::InfoArgs;
 use super::render::load;
-use super::{Failure, print, status};
+use super::{Failure, count, figures, print, status};
+use crate::accel::bvh::BvhAccel;
+#[cfg(feature = "embree")]
+use crate::accel::embree::EmbreeAccel;
+use crate::accel::{Accel, AccelOptions};
+use crate::geometry::Geometry;
 use crate::light::{Emitter, Light};
+use crate::scene::desc::SceneDesc;
 use crate::scene::{Prepared, prepare};
 
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let desc = load(&args.scene)?;
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
-    let [width, height] = desc.camera.resolution;
-    let g = &prepared.geometry;
-    let lights: Vec<String> = prepared.lights.iter().map(|l| describe(l, &prepared)).collect();
-    let skipped = prepared.needs.skipped();
-    let notes: Vec<String> =
-        desc.notes.iter().cloned().chain(prepared.warnings.iter().map(ToString::to_string)).collect();
-    if args.json {
-        let value = json!({
-            "scene": args.scene.display().to_string(),
-            "resolution": [width, height],
-            "samples": desc.samples,
-            "integrator": format!("{:?}", desc.integrator.kind).to_lowercase(),
-            "max_bounces": desc.integrator.max_bounces,
-            "surfaces": prepared.surfaces.len(),
+    let scene = args.scene.display().to_string();
+    let facts = Facts {
+        accelerators: accelerators(),
+        lights: prepared.lights.iter().map(|l| Lamp::of(l, &prepared)).collect(),
+        skipped: prepared.needs.skipped(),
+        notes: desc.notes.iter().cloned().chain(prepared.warnings.iter().map(ToString::to_string)).collect(),
+        desc: &desc,
+        prepared: &prepared,
+    };
+    print(&if args.json { format!("{:#}\n", facts.json(&scene)) } else { facts.text(&scene) });
+    Ok(())
+}
+
+/// What can be told about a scene.
+struct Facts<'a> {
+    desc: &'a SceneDesc,
+    prepared: &'a Prepared,
+    accelerators: Vec<String>,
+    lights: Vec<Lamp>,
+    skipped: Vec<&'static str>,
+    notes: Vec<String>,
+}
+
+impl Facts<'_> {
+    fn integrator(&self) -> String {
+        format!("{:?}", self.desc.integrator.kind).to_lowercase()
+    }
+
+    fn json(&self, scene: &str) -> Value {
+        let g = &self.prepared.geometry;
+        json!({
+            "scene": scene,
+            "resolution": self.desc.camera.resolution,
+            "samples": self.desc.samples,
+            "integrator": self.integrator(),
+            "max_bounces": self.desc.integrator.max_bounces,
+            "accelerators": self.accelerators,
+            "surfaces": self.prepared.surfaces.len(),
             "triangles": g.triangles.len(),
             "vertices": g.positions.len(),
             "quadrics": g.quadrics.len(),
             "delta_points": g.delta_points.len(),
-            "lights": lights,
-            "center": prepared.center.to_array(),
-            "scale": prepared.scale,
-            "skipped": skipped,
-            "notes": notes,
-        });
-        print(&format!("{value:#}\n"));
-        return Ok(());
+            "lights": self.lights.iter().map(Lamp::json).collect::<Vec<Value>>(),
+            "center": self.prepared.center.to_array(),
+            "scale": self.prepared.scale,
+            "skipped": self.skipped,
+            "notes": self.notes,
+        })
     }
-    let mut out = String::new();
-    // Writing to a String cannot fail.
-    let _ = writeln!(out, "{}", args.scene.display());
-    let _ = writeln!(
-        out,
-        "  image        {width} × {height}, {} spp, {} with at most {} bounces",
-        desc.samples,
-        format!("{:?}", desc.integrator.kind).to_lowercase(),
-        desc.integrator.max_bounces
-    );
-    let _ = writeln!(
-        out,
-        "  geometry     {} surfaces: {} triangles on {} vertices, {} spheres and disks, {} delta points",
-        prepared.surfaces.len(),
-        g.triangles.len(),
-        g.positions.len(),
-        g.quadrics.len(),
-        g.delta_points.len()
-    );
-    let _ = writeln!(
-        out,
-        "  render space recentred on ({}, {}, {}), scaled by 2^{}",
-        prepared.center.x,
-        prepared.center.y,
-        prepared.center.z,
-        prepared.scale.log2()
-    );
-    let _ = writeln!(out, "  lights       {}", prepared.lights.len());
-    for line in lights.iter().take(20) {
-        let _ = writeln!(out, "    {line}");
+
+    fn text(&self, scene: &str) -> String {
+        let [width, height] = self.desc.camera.resolution;
+        let mut out = format!("{scene}\n");
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            out,
+            "  image        {width} × {height}, {} spp, {} with at most {}",
+            self.desc.samples,
+            self.integrator(),
+            count(self.desc.integrator.max_bounces as usize, "bounce", "bounces")
+        );
+        let _ = writeln!(out, "  geometry     {}", self.geometry());
+        let center = self.prepared.center.to_array().map(figures).join(", ");
+        let scale = self.prepared.scale.log2();
+        let _ = writeln!(out, "  render space recentred on ({center}), scaled by 2^{scale}");
+        let _ = writeln!(out, "  accelerators {}; the first is the default", self.accelerators.join("; "));
+        let _ = writeln!(out, "  lights       {}", self.lights.len());
+        for lamp in self.lights.iter().take(20) {
+            let _ = writeln!(out, "    {}", lamp.text());
+        }
+        if self.lights.len() > 20 {
+            let _ = writeln!(out, "    … and {} more", self.lights.len() - 20);
+        }
+        let _ = writeln!(out, "  skipped");
+        for line in &self.skipped {
+            let _ = writeln!(out, "    {line}");
+        }
+        for line in &self.notes {
+            let _ = writeln!(out, "  note: {line}");
+        }
+        out
     }
-    if lights.len() > 20 {
-        let _ = writeln!(out, "    … and {} more", lights.len() - 20);
+
+    fn geometry(&self) -> String {
+        let g = &self.prepared.geometry;
+        let mut parts = Vec::new();
+        if !g.triangles.is_empty() {
+            let vertices = count(g.positions.len(), "vertex", "vertices");
+            parts.push(format!("{} on {vertices}", count(g.triangles.len(), "triangle", "triangles")));
+        }
+        if !g.quadrics.is_empty() {
+            parts.push(count(g.quadrics.len(), "sphere or disk", "spheres or disks"));
+        }
+        if !g.delta_points.is_empty() {
+            parts.push(count(g.delta_points.len(), "delta point", "delta points"));
+        }
+        let surfaces = count(self.prepared.surfaces.len(), "surface", "surfaces");
+        if parts.is_empty() { surfaces } else { format!("{surfaces}: {}", parts.join(", ")) }
     }
-    let _ = writeln!(out, "  skipped");
-    for line in skipped {
-        let _ = writeln!(out, "    {line}");
-    }
-    for line in notes {
-        let _ = writeln!(out, "  note: {line}");
-    }
-    print(&out);
-    Ok(())
 }
 
-fn describe(light: &Light, prepared: &Prepared) -> String {
-    // Powers and areas are told in the file's units; render space is scaled.
-    let per_area = 1.0 / (prepared.scale * prepared.scale);
-    let power = light.power().as_dvec3() * per_area;
-    let kind = match light {
-        Light::Area(l) => {
-            let shape = match &l.emitter {
-                Emitter::Parallelogram { .. } => "parallelogram".to_string(),
-                Emitter::Triangles { triangles, .. } => format!("{} triangles", triangles.len()),
-                Emitter::Quadric { .. } => "sphere or disk".to_string(),
-            };
-            format!("area ({shape}, {:.6} square units)", l.area * per_area)
+/// What the build can intersect with, the default first, in the words of the images' metadata.
+fn accelerators() -> Vec<String> {
+    fn describe<A: Accel>() -> String {
+        match A::build(Arc::new(Geometry::default()), AccelOptions::default()) {
+            Ok(accel) => accel.describe(),
+            Err(e) => format!("{} (cannot be used here: {e})", A::NAME),
         }
-        Light::Point(_) => "point".to_string(),
-        Light::Spot(_) => "spot".to_string(),
-    };
-    format!("{kind}, power {:.6} {:.6} {:.6} W", power.x, power.y, power.z)
+    }
+    vec![
+        #[cfg(feature = "embree")]
+        describe::<EmbreeAccel>(),
+        describe::<BvhAccel>(),
+    ]
+}
+
+/// A light, in the file's units: render space is scaled.
+struct Lamp {
+    kind: &'static str,
+    /// Shape and area in square units, of an area light.
+    shape: Option<(String, f64)>,
+    /// Watts per channel.
+    power: [f64; 3],
+}
+
+impl Lamp {
+    fn of(light: &Light, prepared: &Prepared) -> Self {
+        let per_area = 1.0 / (prepared.scale * prepared.scale);
+        let power = (light.power().as_dvec3() * per_area).to_array();
+        match light {
+            Light::Area(l) => {
+                let shape = match &l.emitter {
+                    Emitter::Parallelogram { .. } => "parallelogram".to_string(),
+                    Emitter::Triangles { triangles, .. } => count(triangles.len(), "triangle", "triangles"),
+                    Emitter::Quadric { .. } => "sphere or disk".to_string(),
+                };
+                Self { kind: "area", shape: Some((shape, l.area * per_area)), power }
+            }
+            Light::Point(_) => Self { kind: "point", shape: None, power },
+            Light::Spot(_) => Self { kind: "spot", shape: None, power },
+        }
+    }
+
+    fn json(&self) -> Value {
+        let (shape, area) = self.shape.as_ref().map(|(shape, area)| (shape, area)).unzip();
+        json!({"kind": self.kind, "shape": shape, "area": area, "power": self.power})
+    }
+
+    fn text(&self) -> String {
+        let shape = self.shape.as_ref().map_or_else(String::new, |(shape, area)| {
+            format!(" ({shape}, {} square {})", figures(*area), if *area == 1.0 { "unit" } else { "units" })
+        });
+        format!("{}{shape}, power {} W", self.kind, self.power.map(figures).join(" "))
+    }
 }

@@ -7,6 +7,8 @@ mod info;
 mod progress;
 mod pyramid;
 mod render;
+mod settings;
+mod sheet;
 mod stats;
 
 use std::fmt::Display;
@@ -16,11 +18,13 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use crate::output::OutputError;
+
 use args::{Cli, Command};
 
 /// Exit statuses beyond 0 (done) and 2 (usage, which clap uses as well).
 mod status {
-    /// Anything that has no status of its own.
+    /// Anything that has no status of its own; files that are not there or cannot be read or written among it.
     pub const OTHER: u8 = 1;
     /// The command line asks for something impossible.
     pub const USAGE: u8 = 2;
@@ -48,6 +52,11 @@ impl Failure {
 
     fn usage(message: impl Display) -> Self {
         Self::new(status::USAGE, message)
+    }
+
+    /// An image that could not be read: bad, or out of reach.
+    fn image(error: OutputError) -> Self {
+        Self::new(if error.bad_content { status::DATA } else { status::OTHER }, error)
     }
 }
 
@@ -79,6 +88,24 @@ fn print(text: &str) {
 /// Prints to standard error. `eprint!` would panic where nobody reads it, and lose the image with it.
 fn tell(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// A number and what it counts.
+fn count(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+/// A number to four significant digits, without zeros that say nothing.
+fn figures(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return format!("{}", x + 0.0); // −0 is 0.
+    }
+    let power = x.abs().log10().floor();
+    if !(-4.0..5.0).contains(&power) {
+        return format!("{x:.3e}");
+    }
+    let text = format!("{x:.*}", (3.0 - power).max(0.0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// Whether two paths lead to one file, which need not be there yet.

@@ -3,30 +3,47 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{AccelArg, RenderArgs, Size};
+use super::args::{AccelArg, RenderArgs};
 use super::progress::{Reporter, duration};
+use super::settings::{idle_options, name, override_desc, pyramid_edges, settings};
 use super::{Failure, pyramid, same_file, stats, status, tell};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
 use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
 use crate::import::{self, ImportError};
-use crate::integrator::{Crop, Integrator, Settings, Technique};
-use crate::output::{self, Metadata, Window};
+use crate::integrator::{Crop, Settings};
+use crate::output::{self, Format, Metadata, Window};
 use crate::render::{RenderJob, Rendered, render};
 use crate::scene::desc::{IntegratorKind, SceneDesc};
 use crate::scene::{Prepared, Scene, prepare};
 
 /// Reads a scene file.
 pub fn load(path: &Path) -> Result<SceneDesc, Failure> {
+    refuse_image(path)?;
     import::load_scene(path).map_err(|e| match e {
         ImportError::Scene(e) => Failure::new(status::DATA, e),
         e @ ImportError::Io { .. } => Failure::other(e),
     })
 }
 
+/// An image is often given for a scene: both have the scene's name.
+fn refuse_image(path: &Path) -> Result<(), Failure> {
+    let Some(format) = output::format_of_content(path) else { return Ok(()) };
+    let path = path.display();
+    let message = format!(
+        "{path}: this is an image ({format}), not a scene; did you mean `twinlight compare` or `twinlight convert`?"
+    );
+    Err(Failure::new(status::DATA, message))
+}
+
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut phases = stats::Phases::default();
+    // Before the outputs, whose default name may be the image's own, or the folder's.
+    refuse_image(&args.scene)?;
+    if args.scene.is_dir() {
+        load(&args.scene)?;
+    }
     let outputs = outputs(args)?;
 
     let start = Instant::now();
@@ -40,11 +57,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
     // A scene that turns out to be bad is told about its errors alone.
-    for note in &desc.notes {
-        say(args, note);
-    }
-    if desc.integrator.kind == IntegratorKind::Auto {
-        say(args, "integrator auto means bdpt for now");
+    for note in desc.notes.iter().chain(&idle_options(&settings, args)) {
+        say(args, &format!("note: {note}"));
     }
     for warning in &prepared.warnings {
         say(args, &format!("warning: {warning}"));
@@ -92,36 +106,20 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
     }
     if let Some(folder) = &args.pyramid {
         pyramid::check(folder)?;
+        if let Some(path) = all.iter().find(|path| pyramid::would_write(folder, path)) {
+            return Err(Failure::usage(format!(
+                "{}: the pyramid writes a file of this name there; choose another name or folder",
+                path.display()
+            )));
+        }
+    }
+    let any_png = args.pyramid.is_some() || outputs.iter().any(|path| Format::of(path).is_ok_and(|f| f == Format::Png));
+    if let Some(stops) = args.exposure.filter(|_| !any_png) {
+        return Err(Failure::usage(format!(
+            "--exposure {stops} brightens PNG files, and none is written: an EXR stays linear; add -o NAME.png"
+        )));
     }
     Ok(outputs)
-}
-
-/// The command line overrides what the file says.
-fn override_desc(desc: &mut SceneDesc, args: &RenderArgs) {
-    if let Some(Size(size)) = args.size {
-        desc.camera.resolution = size;
-    }
-    if let Some(spp) = args.spp {
-        desc.samples = spp;
-    }
-    if let Some(seed) = args.seed {
-        desc.sampler.seed = seed;
-    }
-    if let Some(sampler) = args.sampler {
-        desc.sampler.kind = sampler.into();
-    }
-    if let Some(integrator) = args.integrator {
-        desc.integrator.kind = integrator.into();
-    }
-    if let Some(bounces) = args.max_bounces {
-        desc.integrator.max_bounces = bounces;
-    }
-    if let Some(heuristic) = args.heuristic {
-        desc.integrator.heuristic = heuristic.into();
-    }
-    if args.no_roulette {
-        desc.integrator.russian_roulette = false;
-    }
 }
 
 fn crop(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Crop, Failure> {
@@ -141,9 +139,9 @@ const LARGEST_FILMS: u64 = 16 << 30;
 
 /// Checks that the film, and one per technique of a pyramid, fit a sensible amount of memory.
 fn check_memory(args: &RenderArgs, crop: Crop) -> Result<(), Failure> {
-    let edges = u64::from(args.pyramid_edges);
+    let edges = u64::from(pyramid_edges(args).unwrap_or(0));
     // Paths of n edges are made by n + 1 techniques (t = 0 is not built).
-    let techniques = if args.pyramid.is_some() { edges * (edges + 3) / 2 } else { 0 };
+    let techniques = edges * (edges + 3) / 2;
     let bytes = (techniques + 1) * crop.pixels() * crate::film::BYTES_PER_PIXEL;
     if bytes <= LARGEST_FILMS {
         return Ok(());
@@ -164,60 +162,9 @@ fn check_memory(args: &RenderArgs, crop: Crop) -> Result<(), Failure> {
     )))
 }
 
-fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure> {
-    let integrator = match desc.integrator.kind {
-        IntegratorKind::Auto | IntegratorKind::Bdpt => Integrator::Bdpt,
-        IntegratorKind::Path => Integrator::Path,
-        IntegratorKind::Light => Integrator::Light,
-    };
-    if integrator == Integrator::Light && args.light_paths == 0 {
-        return Err(Failure::usage("--light-paths 0 leaves the light tracer nothing to do: give at least 1"));
-    }
-    let only = args.technique.map(|t| t.0);
-    if let Some(t) = only {
-        check_technique(t, integrator, desc.integrator.max_bounces, args)?;
-    }
-    Ok(Settings {
-        integrator,
-        max_bounces: desc.integrator.max_bounces,
-        roulette: desc.integrator.russian_roulette,
-        roulette_after: args.roulette_after,
-        heuristic: desc.integrator.heuristic,
-        light_paths: args.light_paths,
-        connections: args.connections.min(args.light_paths),
-        sampler: desc.sampler.kind,
-        seed: desc.sampler.seed,
-        weighted: !args.unweighted,
-        only,
-    })
-}
-
-/// A technique that the settings leave no path to would give a black image without a word.
-fn check_technique(t: Technique, integrator: Integrator, max_bounces: u32, args: &RenderArgs) -> Result<(), Failure> {
-    let impossible = |why: String| Err(Failure::usage(format!("--technique {},{}: {why}", t.s, t.t)));
-    let makes = match integrator {
-        Integrator::Path => t.s <= 1 && t.t >= 2,
-        Integrator::Light => t.t == 1,
-        Integrator::Bdpt => true,
-    };
-    if !makes {
-        let integrator = format!("{integrator:?}").to_lowercase();
-        return impossible(format!("the {integrator} integrator has no such technique; use bdpt"));
-    }
-    // A path of s + t vertices scatters at all but its two ends.
-    let events = u64::from(t.s) + u64::from(t.t) - 2;
-    if events > u64::from(max_bounces) {
-        return impossible(format!(
-            "its paths scatter {events} times and max_bounces is {max_bounces}; give --max-bounces {events} or more"
-        ));
-    }
-    if args.light_paths == 0 && (t.t == 1 || t.s >= 2) {
-        return impossible("it takes light subpaths; give --light-paths 1 or more".into());
-    }
-    if args.connections == 0 && t.s >= 2 && t.t >= 2 {
-        return impossible("it takes connections; give --connections 1 or more".into());
-    }
-    Ok(())
+/// Threads where the command line names no number. Asked once, so that what is told is what runs.
+fn logical_processors() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get)
 }
 
 /// A render whose questions are all answered but for the backend.
@@ -240,9 +187,10 @@ impl Run<'_> {
             settings: self.settings,
             samples: self.desc.samples,
             crop: self.crop,
-            threads: args.threads.unwrap_or(0) as usize,
-            pyramid: args.pyramid.is_some().then_some(args.pyramid_edges),
+            threads: args.threads.map_or_else(logical_processors, |n| n as usize),
+            pyramid: pyramid_edges(args),
         };
+        self.announce(&job, &scene.accel.describe());
         let reporter = Reporter::new(args.quiet, job.samples);
         let rendered = render(&scene, &job, &|p| {
             reporter.update(p);
@@ -254,19 +202,44 @@ impl Run<'_> {
 
         let start = Instant::now();
         let metadata = self.metadata(&scene.accel.describe());
+        let exposure = args.exposure.unwrap_or(0.0);
         for path in &self.outputs {
-            output::write_image(path, &rendered.image, &metadata, args.exposure).map_err(Failure::other)?;
+            output::write_image(path, &rendered.image, &metadata, exposure).map_err(Failure::other)?;
         }
-        if let Some(folder) = &args.pyramid {
-            pyramid::write(folder, &rendered.techniques, &metadata, args.exposure)?;
-        }
+        let pyramid = match &args.pyramid {
+            Some(folder) => Some(pyramid::write(folder, &rendered.techniques, &metadata, exposure)?),
+            None => None,
+        };
         phases.write = start.elapsed();
         if let Some(path) = &args.stats {
             let json = stats::json(&job, self.desc, &scene.accel.describe(), &rendered, &phases);
             output::write_atomically(path, format!("{json:#}\n").as_bytes()).map_err(Failure::other)?;
         }
         self.summary(&rendered, &phases);
+        if let Some(line) = pyramid {
+            say(args, &line);
+        }
         verdict(&rendered, self.settings.seed)
+    }
+
+    /// One line of what is about to be done, and by what.
+    fn announce(&self, job: &RenderJob, accel: &str) {
+        let [width, height] = self.desc.camera.resolution;
+        let integrator = name(self.settings.integrator);
+        let mut parts = vec![format!("{width} × {height} pixels")];
+        if self.crop != Crop::full([width, height]) {
+            let Crop { x0, y0, x1, y1 } = self.crop;
+            parts.push(format!("of these {x0},{y0} to {x1},{y1}"));
+        }
+        parts.push(format!("{} spp", self.desc.samples));
+        parts.push(match self.desc.integrator.kind {
+            IntegratorKind::Auto => format!("auto = {integrator}"),
+            _ => integrator.to_owned(),
+        });
+        parts.push(super::count(job.threads, "thread", "threads"));
+        // Last: its words may hold commas.
+        parts.push(accel.to_owned());
+        say(self.args, &format!("{}: {}", self.args.scene.display(), parts.join(", ")));
     }
 
     /// What made the image, and only what the same command makes again: nothing that varies from run to run.

@@ -58,11 +58,7 @@ pub fn json(job: &RenderJob, desc: &SceneDesc, accel: &str, rendered: &Rendered,
         "light_paths": s.light_paths,
         "connections": s.connections,
         "crop": [job.crop.x0, job.crop.y0, job.crop.x1, job.crop.y1],
-        "threads": if job.threads > 0 {
-            job.threads
-        } else {
-            std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get)
-        },
+        "threads": job.threads,
         "seconds": {
             "parse": phases.parse.as_secs_f64(),
             "build": phases.build.as_secs_f64(),

@@ -1,12 +1,15 @@
 //! The camera.
 
-use super::context::{Context, Object};
+use super::context::{Context, Keys, Object, Type};
 use super::json::{Kind, Node};
 use super::value::{NON_NEGATIVE, POSITIVE, Range};
 use crate::scene::desc::CameraDesc;
 
-const KEYS: &[&str] = &["type", "transform", "resolution", "vfov", "fdist", "aperture", "filter"];
-const LATER: &[&str] = &["height"];
+const KEYS: Keys = Keys {
+    allowed: &["type", "transform", "resolution", "vfov", "fdist"],
+    idle: &["aperture", "filter"],
+    later: &["height"],
+};
 
 /// Largest width and height of an image.
 const MAX_SIDE: u64 = 1 << 16;
@@ -21,10 +24,8 @@ impl<'a> Context<'a> {
     pub fn camera(&mut self, scene: &Object<'a>) -> Option<CameraDesc> {
         let node = self.required(scene, "camera")?;
         let object = self.object(node, "an object")?;
-        if let Some(kind) = object.get("type") {
-            self.choice(kind, "camera type", &["perspective"], &["orthographic"])?;
-        }
-        self.check_keys(&object, KEYS, LATER);
+        self.type_of(&object, "camera type", &["perspective"], &["orthographic"]);
+        self.check_keys(&object, &KEYS);
         let transform = self.transform(&object);
         let resolution = object.get("resolution").map_or(Some([512, 512]), |n| self.resolution(n));
         let vfov = object.get("vfov").map_or(Some(90.0), |n| self.number(n, FIELD_OF_VIEW));
@@ -61,11 +62,12 @@ impl<'a> Context<'a> {
     /// The pixel filter: only the box of one pixel exists so far, so that there is nothing to keep.
     fn filter(&mut self, node: &Node<'a>) -> Option<()> {
         let object = self.object(node, "an object")?;
-        self.check_keys(&object, &["type", "radius"], &[]);
-        let kind = self.required(&object, "type")?;
-        self.choice(kind, "filter", &["box"], &["tent", "gaussian"])?;
+        self.check_keys(&object, &Keys::only(&["type", "radius"]));
+        self.required(&object, "type");
+        let kind = self.type_of(&object, "filter", &["box"], &["tent", "gaussian"]);
         let radius = object.get("radius")?;
-        if self.number(radius, POSITIVE)? != 0.5 {
+        // Another filter's radius is not what is wrong with it.
+        if self.number(radius, POSITIVE)? != 0.5 && kind != Type::Later {
             let message =
                 format!("a filter of radius {} is not supported yet; supported: 0.5 (one pixel)", radius.text);
             self.error(radius, message);

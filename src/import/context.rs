@@ -3,6 +3,7 @@
 //! A reader that meets an error reports it here and returns `None`; its caller carries on with the next value, so that
 //! one run shows all the mistakes of a file.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use super::json::{Document, Entry, Kind, Node, excerpt};
@@ -24,6 +25,37 @@ pub(super) struct Context<'a> {
     /// Diagnostics with the offset in the scene file that they belong to.
     diagnostics: Vec<(usize, Diagnostic)>,
     left_off: usize,
+    /// Keys that are missing but have been told of by an unknown key near them, with their object's offset.
+    misspelt: HashSet<(usize, String)>,
+}
+
+/// The keys an object may have.
+#[derive(Clone, Copy)]
+pub(super) struct Keys<'k> {
+    /// Those that can change something: messages list them.
+    pub allowed: &'k [&'k str],
+    /// Those that are read but take nothing besides their default yet, or are ignored: nothing to advise anyone.
+    pub idle: &'k [&'k str],
+    /// Those that the format has and that are not supported yet.
+    pub later: &'k [&'k str],
+}
+
+impl<'k> Keys<'k> {
+    /// These keys and no others.
+    pub fn only(allowed: &'k [&'k str]) -> Self {
+        Self { allowed, idle: &[], later: &[] }
+    }
+}
+
+/// What an object's `type` says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Type {
+    /// This type; or the one that was surely meant, the slip being reported.
+    Known(&'static str),
+    /// It is missing (which is not reported yet), or nothing like any type (which is).
+    Unknown,
+    /// A type that is not supported yet, as has been reported: nothing is known about its keys.
+    Later,
 }
 
 /// An object of the document, without duplicate keys.
@@ -39,6 +71,11 @@ impl<'a> Object<'a> {
         self.entries.iter().find(|e| e.key == key).map(|e| &e.value)
     }
 
+    /// Whether there is no key at all.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
     /// Whether a key is present.
     pub fn has(&self, key: &str) -> bool {
         self.get(key).is_some()
@@ -48,7 +85,7 @@ impl<'a> Object<'a> {
 impl<'a> Context<'a> {
     /// A reader of a document whose file names are relative to `base_dir`.
     pub fn new(document: Document<'a>, base_dir: &'a Path) -> Self {
-        Self { document, base_dir, notes: Vec::new(), diagnostics: Vec::new(), left_off: 0 }
+        Self { document, base_dir, notes: Vec::new(), diagnostics: Vec::new(), left_off: 0, misspelt: HashSet::new() }
     }
 
     /// Ends reading: everything found wrong or, if nothing is, the notes; both in file order.
@@ -139,34 +176,50 @@ impl<'a> Context<'a> {
         None
     }
 
-    /// Reports keys that are not allowed: those the format knows (`later`) as not supported yet, others as unknown.
-    pub fn check_keys(&mut self, object: &Object<'a>, allowed: &[&str], later: &[&str]) {
+    /// Reports keys that are not allowed. To be called before `required`, which does not report what a slip in a key's
+    /// name explains.
+    pub fn check_keys(&mut self, object: &Object<'a>, keys: &Keys<'_>) {
+        let known = || keys.allowed.iter().chain(keys.idle).copied();
         for entry in &object.entries {
             let key = entry.key.as_str();
-            if allowed.contains(&key) {
+            if known().any(|k| k == key) {
                 continue;
             }
+            let allowed = list(keys.allowed);
             let message = if MEDIA_KEYS.contains(&key) {
-                format!("{key:?}: participating media are not supported; supported here: {}", list(allowed))
-            } else if later.contains(&key) {
-                format!("{key:?} is not supported yet; supported here: {}", list(allowed))
+                format!("{key:?}: participating media are not supported; supported here: {allowed}")
+            } else if keys.later.contains(&key) {
+                format!("{key:?} is not supported yet; supported here: {allowed}")
             } else {
-                format!("unknown key {:?};{} allowed: {}", excerpt(key), suggestion(key, allowed), list(allowed))
+                // A key that is not there yet is what was meant, rather than one that is.
+                let absent: Vec<&str> = known().filter(|k| !object.has(k)).collect();
+                let all: Vec<&str> = known().collect();
+                let meant = nearest(key, &absent);
+                if let Some(meant) = meant {
+                    self.misspelt.insert((object.node.offset, meant.to_owned()));
+                }
+                let hint = did_you_mean(meant.or_else(|| nearest(key, &all)));
+                format!("unknown key {:?};{hint} allowed: {allowed}", excerpt(key))
             };
             self.error(&Node { offset: entry.key_offset, ..entry.value.clone() }, message);
         }
     }
 
-    /// The value of a key that must be there.
-    pub fn required<'o>(&mut self, object: &'o Object<'a>, key: &str) -> Option<&'o Node<'a>> {
-        let value = object.get(key);
-        if value.is_none() {
-            self.error(&object.node, format!("{key:?} is missing"));
-        }
-        value
+    /// Whether a key is missing, and `check_keys` has not told of it as a slip in another key's name.
+    pub fn is_untold(&self, object: &Object<'a>, key: &str) -> bool {
+        !object.has(key) && !self.misspelt.contains(&(object.node.offset, key.to_owned()))
     }
 
-    /// Reads a string that must be one of `supported`; `later` are the format's words for what is not built yet.
+    /// The value of a key that must be there.
+    pub fn required<'o>(&mut self, object: &'o Object<'a>, key: &str) -> Option<&'o Node<'a>> {
+        if self.is_untold(object, key) {
+            self.error(&object.node, format!("{key:?} is missing"));
+        }
+        object.get(key)
+    }
+
+    /// Reads a string that must be one of `supported`; `later` are the format's words for what is not built yet. A slip
+    /// is reported and read as what it is near to, so that what depends on the word is checked all the same.
     pub fn choice(
         &mut self,
         node: &Node<'a>,
@@ -178,14 +231,26 @@ impl<'a> Context<'a> {
         if let Some(&found) = supported.iter().find(|&&s| s == word) {
             return Some(found);
         }
-        let message = if later.contains(&word.as_str()) {
-            format!("{what} {word:?} is not supported yet; supported: {}", list(supported))
-        } else {
-            let shown = excerpt(&word);
-            format!("unknown {what} {shown:?};{} allowed: {}", suggestion(&word, supported), list(supported))
-        };
-        self.error(node, message);
-        None
+        if later.contains(&word.as_str()) {
+            self.error(node, format!("{what} {word:?} is not supported yet; supported: {}", list(supported)));
+            return None;
+        }
+        let meant = nearest(&word, supported);
+        let (shown, hint) = (excerpt(&word), did_you_mean(meant));
+        self.error(node, format!("unknown {what} {shown:?};{hint} allowed: {}", list(supported)));
+        supported.iter().copied().find(|&s| Some(s) == meant)
+    }
+
+    /// An object's `type`. That it is missing is left to `required`, once the keys have been checked.
+    pub fn type_of(&mut self, object: &Object<'a>, what: &str, supported: &[&'static str], later: &[&str]) -> Type {
+        let Some(node) = object.get("type") else { return Type::Unknown };
+        match self.choice(node, what, supported, later) {
+            Some(found) => Type::Known(found),
+            None if node.kind() == Kind::String && node.string().is_some_and(|s| later.contains(&s.as_str())) => {
+                Type::Later
+            }
+            None => Type::Unknown,
+        }
     }
 }
 
@@ -194,8 +259,8 @@ pub(super) fn list<S: AsRef<str>>(words: &[S]) -> String {
     words.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(", ")
 }
 
-/// ` did you mean "x"?;` for the candidate nearest to a word, or nothing when none is near.
-pub(super) fn suggestion<S: AsRef<str>>(word: &str, candidates: &[S]) -> String {
+/// The candidate nearest to a word, or `None` when none is near.
+pub(super) fn nearest<'c, S: AsRef<str>>(word: &str, candidates: &'c [S]) -> Option<&'c str> {
     // A third of the letters may be wrong: enough for a slip, too few to turn one word into another.
     let limit = (word.chars().count() / 3).max(1);
     candidates
@@ -203,7 +268,12 @@ pub(super) fn suggestion<S: AsRef<str>>(word: &str, candidates: &[S]) -> String 
         .map(|c| (edit_distance(word, c.as_ref()), c.as_ref()))
         .filter(|(distance, _)| *distance <= limit)
         .min_by_key(|(distance, _)| *distance)
-        .map_or_else(String::new, |(_, c)| format!(" did you mean {c:?}?"))
+        .map(|(_, c)| c)
+}
+
+/// ` did you mean "x"?`, or nothing when nothing is near.
+pub(super) fn did_you_mean(meant: Option<&str>) -> String {
+    meant.map_or_else(String::new, |meant| format!(" did you mean {meant:?}?"))
 }
 
 /// Levenshtein's distance, ignoring case; a swap of two neighbours counts once (optimal string alignment).
@@ -233,10 +303,11 @@ mod tests {
     #[test]
     fn suggestions_are_near() {
         let keys = ["albedo", "name", "type", "two_sided"];
-        assert_eq!(suggestion("albdeo", &keys), " did you mean \"albedo\"?");
-        assert_eq!(suggestion("Type", &keys), " did you mean \"type\"?");
-        assert_eq!(suggestion("twosided", &keys), " did you mean \"two_sided\"?");
-        assert_eq!(suggestion("roughness", &keys), "");
+        for (word, meant) in [("albdeo", Some("albedo")), ("Type", Some("type")), ("twosided", Some("two_sided"))] {
+            assert_eq!(nearest(word, &keys), meant);
+        }
+        assert_eq!(nearest("roughness", &keys), None);
+        assert_eq!(did_you_mean(Some("type")), " did you mean \"type\"?");
     }
 
     #[test]

@@ -74,6 +74,10 @@ pub(super) fn decode_utf8<'a>(bytes: &'a [u8], file: &str) -> Result<&'a str, Di
         let message = "the file is UTF-16; a scene must be UTF-8 text: save it as UTF-8 without a byte order mark";
         return Err(Diagnostic { at: place_in_file(file, 1, 1), message: message.to_owned() });
     }
+    if bytes.contains(&0) {
+        let message = "this is a binary file, not a scene; a scene is JSON text";
+        return Err(Diagnostic { at: place_in_file(file, 0, 0), message: message.to_owned() });
+    }
     let valid = std::str::from_utf8(&bytes[..error.valid_up_to()]).unwrap_or_default();
     let (line, column) = advance((1, 1), valid.as_bytes());
     let byte = bytes[error.valid_up_to()];

@@ -1,6 +1,6 @@
 //! The `lights[]` sugar: point and spot lights, turned into the delta points that `surfaces[]` would hold.
 
-use super::context::{Context, Object};
+use super::context::{Context, Keys, Object, Type};
 use super::json::Node;
 use super::materials::Materials;
 use super::value::EMISSION;
@@ -13,8 +13,14 @@ const SUPPORTED: &[&str] = &["point", "spot"];
 /// The types that the format names and that are not built yet.
 const LATER: &[&str] = &["directional", "constant", "environment"];
 
-const SPOT_KEYS: &[&str] =
-    &["type", "position", "at", "direction", "intensity", "inner_angle", "outer_angle", "falloff", "profile"];
+const POINT_KEYS: Keys = Keys { allowed: &["type", "position", "intensity"], idle: &[], later: &[] };
+
+/// All that any light has.
+const SPOT_KEYS: Keys = Keys {
+    allowed: &["type", "position", "at", "direction", "intensity", "inner_angle", "outer_angle", "falloff"],
+    idle: &["profile"],
+    later: &[],
+};
 
 impl<'a> Context<'a> {
     /// Adds the scene's lights to its surfaces.
@@ -33,32 +39,36 @@ impl<'a> Context<'a> {
 
     fn light(&mut self, node: &Node<'a>) -> Option<(MaterialKind, DAffine3)> {
         let object = self.object(node, "an object")?;
-        let type_node = self.required(&object, "type")?;
-        if self.choice(type_node, "light type", SUPPORTED, LATER)? == "point" {
-            self.check_keys(&object, &["type", "position", "intensity"], &[]);
-            let position = self.required(&object, "position").and_then(|n| self.point(n));
-            let intensity = self.required(&object, "intensity").and_then(|n| self.color(n, EMISSION));
-            return Some((MaterialKind::PointLight { intensity: intensity? }, DAffine3::from_translation(position?)));
+        let kind = self.type_of(&object, "light type", SUPPORTED, LATER);
+        if kind == Type::Later {
+            return None;
         }
-        self.check_keys(&object, SPOT_KEYS, &[]);
+        self.check_keys(&object, if kind == Type::Known("point") { &POINT_KEYS } else { &SPOT_KEYS });
+        self.required(&object, "type");
         let position = self.required(&object, "position").and_then(|n| self.point(n));
-        let kind = self.spot(&object, "intensity");
-        let position = position?;
-        let axis = self.spot_axis(&object, position)?;
-        Some((kind?, aimed(position, axis)))
+        if kind == Type::Known("spot") {
+            let kind = self.spot(&object, "intensity");
+            let axis = self.spot_axis(&object, position);
+            return Some((kind?, aimed(position?, axis?)));
+        }
+        // What every light has is checked in one of unknown type, too.
+        let intensity = self.required(&object, "intensity").and_then(|n| self.color(n, EMISSION));
+        Some((MaterialKind::PointLight { intensity: intensity? }, DAffine3::from_translation(position?)))
     }
 
-    /// The unit direction of a spot at `position`.
-    fn spot_axis(&mut self, object: &Object<'a>, position: DVec3) -> Option<DVec3> {
+    /// The unit direction of a spot at `position`; what aims it is checked even where the position is in error.
+    fn spot_axis(&mut self, object: &Object<'a>, position: Option<DVec3>) -> Option<DVec3> {
         let (node, axis) = match (object.get("at"), object.get("direction")) {
-            (Some(node), None) => (node, self.point(node)? - position),
+            (Some(node), None) => (node, self.point(node).zip(position).map(|(at, position)| at - position)?),
             (None, Some(node)) => (node, self.point(node)?),
             (Some(node), Some(_)) => {
                 self.error(node, "\"at\" and \"direction\" both aim the spot; give one of them");
                 return None;
             }
             (None, None) => {
-                self.error(&object.node, "\"at\" or \"direction\" is missing: the spot aims nowhere");
+                if self.is_untold(object, "at") && self.is_untold(object, "direction") {
+                    self.error(&object.node, "\"at\" or \"direction\" is missing: the spot aims nowhere");
+                }
                 return None;
             }
         };

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::context::{Context, Object, list, suggestion};
+use super::context::{Context, Keys, Object, Type, did_you_mean, list, nearest};
 use super::json::{Kind, Node, excerpt, printable};
 use super::value::{EMISSION, FALLOFF, HALF_ANGLE, IOR, NON_NEGATIVE, UNIT};
 use crate::scene::desc::{MaterialDesc, MaterialKind, Place};
@@ -17,6 +17,11 @@ const LATER: &[&str] =
 
 /// Material keys of surfaces that are textures.
 const LATER_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
+
+/// Keys of some material.
+const OWN_KEYS: &[&str] =
+    &["albedo", "two_sided", "emit", "ior", "transmittance", "inner_angle", "outer_angle", "falloff"];
+const OWN_IDLE_KEYS: &[&str] = &["emit_two_sided", "roughness", "profile"];
 
 /// Names listed in a message.
 const MAX_NAMES: usize = 20;
@@ -69,8 +74,9 @@ impl<'a> Context<'a> {
         let nodes = scene.get("materials").and_then(|node| self.array(node, "an array of materials"));
         for node in nodes.unwrap_or_default() {
             let Some(object) = self.object(&node, "an object") else { continue };
-            let name = self.required(&object, "name").and_then(|n| self.string(n));
+            let name = object.get("name").and_then(|n| self.string(n));
             let material = self.material(&object, name.clone());
+            self.required(&object, "name");
             let index = materials.push(material);
             let Some(name) = name else { continue };
             if materials.by_name.contains_key(&name) {
@@ -99,8 +105,8 @@ impl<'a> Context<'a> {
                         let more = if materials.names.len() > MAX_NAMES { ", …" } else { "" };
                         format!("known: {}{more}", list(&shown))
                     };
-                    let suggestion = suggestion(&name, &materials.names);
-                    self.error(node, format!("no material is named {:?};{suggestion} {known}", excerpt(&name)));
+                    let hint = did_you_mean(nearest(&name, &materials.names));
+                    self.error(node, format!("no material is named {:?};{hint} {known}", excerpt(&name)));
                 }
                 found
             }
@@ -119,8 +125,11 @@ impl<'a> Context<'a> {
 
     fn material(&mut self, object: &Object<'a>, name: Option<String>) -> Option<MaterialDesc> {
         let at = self.place(&object.node);
-        let type_node = self.required(object, "type")?;
-        let name_of_type = self.choice(type_node, "material type", SUPPORTED, LATER)?;
+        let name_of_type = match self.type_of(object, "material type", SUPPORTED, LATER) {
+            Type::Known(name) => name,
+            Type::Unknown => return self.unknown_material(object),
+            Type::Later => return None,
+        };
         let kind = match name_of_type {
             "lambertian" => self.lambertian(object),
             "mirror" | "metal" => self.mirror(object, name_of_type == "metal"),
@@ -138,10 +147,21 @@ impl<'a> Context<'a> {
         Some(MaterialDesc { name, kind: kind?, emit, at })
     }
 
+    /// Checks what can be checked in a material whose type is missing or unknown: the keys, and the colours that mean the
+    /// same in all types.
+    fn unknown_material(&mut self, object: &Object<'a>) -> Option<MaterialDesc> {
+        self.check_material_keys(object, OWN_KEYS, OWN_IDLE_KEYS);
+        self.required(object, "type");
+        for (key, range) in [("albedo", UNIT), ("transmittance", UNIT), ("emit", EMISSION)] {
+            object.get(key).and_then(|node| self.color(node, range));
+        }
+        None
+    }
+
     /// Reports unknown keys of a material with the given keys of its own.
-    fn check_material_keys(&mut self, object: &Object<'a>, own: &[&str]) {
-        let keys: Vec<&str> = ["type", "name"].into_iter().chain(own.iter().copied()).collect();
-        self.check_keys(object, &keys, LATER_KEYS);
+    fn check_material_keys(&mut self, object: &Object<'a>, own: &[&str], idle: &[&str]) {
+        let allowed = [&["type", "name"], own].concat();
+        self.check_keys(object, &Keys { allowed: &allowed, idle, later: LATER_KEYS });
     }
 
     /// A colour in [0,1] with an optional default.
@@ -161,15 +181,15 @@ impl<'a> Context<'a> {
     }
 
     fn lambertian(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
-        self.check_material_keys(object, &["albedo", "two_sided", "emit", "emit_two_sided"]);
+        self.check_material_keys(object, &["albedo", "two_sided", "emit"], &["emit_two_sided"]);
         let albedo = self.reflectance(object, "albedo", None);
         let two_sided = self.flag(object, "two_sided");
         Some(MaterialKind::Lambertian { albedo: albedo?, two_sided: two_sided? })
     }
 
     fn mirror(&mut self, object: &Object<'a>, metal: bool) -> Option<MaterialKind> {
-        let keys = ["albedo", "emit", "emit_two_sided", "roughness"];
-        self.check_material_keys(object, if metal { &keys } else { &keys[..3] });
+        let idle = ["emit_two_sided", "roughness"];
+        self.check_material_keys(object, &["albedo", "emit"], if metal { &idle } else { &idle[..1] });
         let albedo = self.reflectance(object, "albedo", Some(1.0));
         if metal {
             self.smooth(object);
@@ -187,7 +207,7 @@ impl<'a> Context<'a> {
     }
 
     fn dielectric(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
-        self.check_material_keys(object, &["ior", "roughness", "transmittance", "emit", "emit_two_sided"]);
+        self.check_material_keys(object, &["ior", "transmittance", "emit"], &["emit_two_sided", "roughness"]);
         let ior = object.get("ior").map_or(Some(1.5), |node| self.number(node, IOR));
         let transmittance = self.reflectance(object, "transmittance", Some(1.0));
         self.smooth(object);
@@ -195,7 +215,7 @@ impl<'a> Context<'a> {
     }
 
     fn diffuse_light(&mut self, object: &Object<'a>, name: Option<String>, at: Place) -> Option<MaterialDesc> {
-        self.check_material_keys(object, &["emit", "two_sided"]);
+        self.check_material_keys(object, &["emit"], &["two_sided"]);
         self.one_sided_emission(object, "two_sided");
         let emit = self.required(object, "emit").and_then(|node| self.color(node, EMISSION));
         Some(MaterialDesc { name, kind: MaterialKind::Black, emit: emit?, at })
@@ -216,7 +236,7 @@ impl<'a> Context<'a> {
     }
 
     fn null(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
-        self.check_material_keys(object, &["emit"]);
+        self.check_material_keys(object, &[], &["emit"]);
         if let Some(node) = object.get("emit") {
             self.error(node, "a \"null\" surface cannot emit: it is not there; give the light a surface of its own");
             return None;
@@ -225,13 +245,13 @@ impl<'a> Context<'a> {
     }
 
     fn point_light(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
-        self.check_material_keys(object, &["emit"]);
+        self.check_material_keys(object, &["emit"], &[]);
         let intensity = self.required(object, "emit").and_then(|node| self.color(node, EMISSION));
         Some(MaterialKind::PointLight { intensity: intensity? })
     }
 
     fn spot_light(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
-        self.check_material_keys(object, &["emit", "inner_angle", "outer_angle", "falloff", "profile"]);
+        self.check_material_keys(object, &["emit", "inner_angle", "outer_angle", "falloff"], &["profile"]);
         self.spot(object, "emit")
     }
 
@@ -242,15 +262,13 @@ impl<'a> Context<'a> {
         let outer = self.required(object, "outer_angle").and_then(|node| self.number(node, HALF_ANGLE));
         let falloff = object.get("falloff").map_or(Some(0.5), |node| self.number(node, FALLOFF));
         if let Some(profile) = object.get("profile") {
-            self.choice(profile, "spot profile", &["cosine"], &["angle"])?;
+            self.choice(profile, "spot profile", &["cosine"], &["angle"]);
+        }
+        if let Some((inner, outer)) = inner.zip(outer).filter(|(inner, outer)| inner > outer) {
+            let message = format!("inner_angle {inner} exceeds outer_angle {outer}; allowed: at most as large");
+            self.error(object.get("inner_angle").unwrap_or(&object.node), message);
         }
         let (intensity, inner_angle, outer_angle, falloff) = (intensity?, inner?, outer?, falloff?);
-        if inner_angle > outer_angle {
-            let message =
-                format!("inner_angle {inner_angle} exceeds outer_angle {outer_angle}; allowed: at most as large");
-            self.error(object.get("inner_angle").unwrap_or(&object.node), message);
-            return None;
-        }
         Some(MaterialKind::SpotLight { intensity, inner_angle, outer_angle, falloff })
     }
 }

@@ -73,12 +73,34 @@ impl From<SceneError> for ImportError {
 /// [`ImportError::Io`] when the scene file cannot be read; [`ImportError::Scene`] with everything that is wrong with
 /// its content or its assets.
 pub fn load_scene(path: &Path) -> Result<SceneDesc, ImportError> {
-    let bytes = fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
+    let bytes = read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
     let file = path.display().to_string();
     let text = json::decode_utf8(&bytes, &file).map_err(|d| SceneError { diagnostics: vec![d] })?;
     let base = path.parent().unwrap_or(Path::new(""));
     Ok(scene_from_str(text, &file, base)?)
 }
+
+/// Reads a file; of a folder the error names the scenes inside.
+fn read(path: &Path) -> io::Result<Vec<u8>> {
+    if !path.is_dir() {
+        return fs::read(path);
+    }
+    let mut names: Vec<String> = fs::read_dir(path)?
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json")))
+        .collect();
+    names.sort();
+    let found = match names.len() {
+        0 => "no .json file is there".to_owned(),
+        1..=MAX_NAMES => format!("found: {}", names.join(", ")),
+        n => format!("found: {} and {} more", names[..MAX_NAMES].join(", "), n - MAX_NAMES),
+    };
+    let message = format!("this is a folder; give the scene file inside ({found})");
+    Err(io::Error::new(io::ErrorKind::IsADirectory, message))
+}
+
+/// Scenes listed in a message.
+const MAX_NAMES: usize = 5;
 
 /// Reads a scene from JSON text; `file_name` is what messages call it and `base_dir` is where the files it names lie.
 ///

@@ -5,24 +5,16 @@
 
 use std::path::Path;
 
-use super::context::{Context, Object};
+use super::context::{Context, Keys, Object};
 use super::fingerprint::fingerprint;
 use super::json::Document;
 use crate::scene::desc::{SceneDesc, SceneError};
 
-const KEYS: &[&str] = &[
-    "camera",
-    "integrator",
-    "sampler",
-    "image_samples",
-    "background",
-    "materials",
-    "surfaces",
-    "lights",
-    "textures",
-    "accelerator",
-    "media",
-];
+const KEYS: Keys = Keys {
+    allowed: &["camera", "integrator", "sampler", "image_samples", "materials", "surfaces", "lights"],
+    idle: &["background", "textures", "accelerator", "media"],
+    later: &[],
+};
 
 /// Reads a scene from JSON text; see [`super::scene_from_str`].
 pub(super) fn read(text: &str, file: &str, base_dir: &Path) -> Result<SceneDesc, SceneError> {
@@ -38,7 +30,7 @@ pub(super) fn read(text: &str, file: &str, base_dir: &Path) -> Result<SceneDesc,
 }
 
 fn read_scene<'a>(context: &mut Context<'a>, root: &Object<'a>) -> Option<SceneDesc> {
-    context.check_keys(root, KEYS, &[]);
+    context.check_keys(root, &KEYS);
     let camera = context.camera(root);
     let integrator = context.integrator(root);
     let sampler = context.sampler(root);

@@ -1,6 +1,6 @@
 //! Integrator, sampler, sample count, background, and the parts of dirt's files that are read and ignored.
 
-use super::context::{Context, Object};
+use super::context::{Context, Keys, Object, Type};
 use super::json::{Kind, Node};
 use super::value::EMISSION;
 use crate::scene::desc::{Heuristic, IntegratorDesc, IntegratorKind, SamplerDesc, SamplerKind, is_black};
@@ -34,7 +34,7 @@ impl<'a> Context<'a> {
         }
         let object = self.object(node, "an object or a string")?;
         let kind = object.get("type").map_or(Some(default.kind), |n| self.integrator_kind(n));
-        self.check_keys(&object, &["type", "max_bounces", "russian_roulette", "heuristic"], &[]);
+        self.check_keys(&object, &Keys::only(&["type", "max_bounces", "russian_roulette", "heuristic"]));
         let max_bounces =
             object.get("max_bounces").map_or(Some(default.max_bounces), |n| self.small_integer(n, 0, MAX_BOUNCES));
         let russian_roulette =
@@ -86,7 +86,7 @@ impl<'a> Context<'a> {
         if let Some(node) = scene.get("sampler") {
             let object = self.object(node, "an object")?;
             let kind = object.get("type").map_or(Some(default.kind), |n| self.sampler_kind(n));
-            self.check_keys(&object, &["type", "samples", "seed"], &[]);
+            self.check_keys(&object, &Keys::only(&["type", "samples", "seed"]));
             own_samples = object.get("samples").map(|n| self.sample_count(n));
             let seed = object.get("seed").map_or(Some(default.seed), |n| self.integer(n, 0, u64::MAX));
             sampler = kind.zip(seed).map(|(kind, seed)| SamplerDesc { kind, seed });
@@ -131,9 +131,12 @@ impl<'a> Context<'a> {
         let node = scene.get("background")?;
         let color = if node.kind() == Kind::Object {
             let object = self.object(node, "an object")?;
-            let kind = self.required(&object, "type")?;
-            self.choice(kind, "background type", &["constant"], &["image"])?;
-            self.check_keys(&object, &["type", "color"], &[]);
+            let kind = self.type_of(&object, "background type", &["constant"], &["image"]);
+            if kind == Type::Later {
+                return None;
+            }
+            self.check_keys(&object, &Keys::only(&["type", "color"]));
+            self.required(&object, "type");
             let color = self.required(&object, "color")?;
             self.vector(color, EMISSION)
         } else {

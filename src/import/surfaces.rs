@@ -1,6 +1,6 @@
 //! Surfaces: a shape, its transform and its material.
 
-use super::context::{Context, Object};
+use super::context::{Context, Keys, Object, Type};
 use super::json::Node;
 use super::materials::{Materials, type_name};
 use super::mesh_file;
@@ -12,6 +12,12 @@ const SUPPORTED: &[&str] = &["quad", "sphere", "disk", "triangle", "mesh", "delt
 
 /// The types that the format names and that are not built yet.
 const LATER: &[&str] = &["cube", "cylinder", "group", "instance"];
+
+/// Keys of every surface.
+const COMMON_KEYS: &[&str] = &["type", "transform", "material", "flip_normals"];
+
+/// Keys of some surface.
+const OWN_KEYS: &[&str] = &["size", "radius", "filename", "positions", "indices", "normals", "uvs"];
 
 /// Keys that the format names and that are not built yet.
 const LATER_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
@@ -25,31 +31,30 @@ impl<'a> Context<'a> {
 
     fn surface(&mut self, node: &Node<'a>, materials: &mut Materials) -> Option<SurfaceDesc> {
         let object = self.object(node, "an object")?;
-        let type_node = self.required(&object, "type")?;
-        let kind = self.choice(type_node, "surface type", SUPPORTED, LATER)?;
-        let own: &[&str] = match kind {
-            "quad" => &["size"],
-            "sphere" | "disk" => &["radius"],
-            "triangle" => &["positions", "normals", "uvs"],
-            "mesh" => &["filename", "positions", "indices", "normals", "uvs"],
-            _ => &[],
+        let kind = self.type_of(&object, "surface type", SUPPORTED, LATER);
+        let own = match kind {
+            Type::Known("quad") => &["size"][..],
+            Type::Known("sphere" | "disk") => &["radius"],
+            Type::Known("triangle") => &["positions", "normals", "uvs"],
+            Type::Known("mesh") => &["filename", "positions", "indices", "normals", "uvs"],
+            Type::Known(_) => &[],
+            Type::Unknown | Type::Later => OWN_KEYS,
         };
-        let keys = ["type", "transform", "material", "flip_normals"];
-        let keys: Vec<&str> = keys.into_iter().chain(own.iter().copied()).collect();
-        self.check_keys(&object, &keys, LATER_KEYS);
+        if kind != Type::Later {
+            let allowed = [COMMON_KEYS, own].concat();
+            self.check_keys(&object, &Keys { later: LATER_KEYS, ..Keys::only(&allowed) });
+            self.required(&object, "type");
+        }
         let shape = match kind {
-            "quad" => self.quad(&object),
-            "sphere" => self.radius(&object).map(|radius| ShapeDesc::Sphere { radius }),
-            "disk" => self.radius(&object).map(|radius| ShapeDesc::Disk { radius }),
-            "triangle" => self.triangle(&object).map(ShapeDesc::Mesh),
-            "mesh" => self.mesh(&object).map(ShapeDesc::Mesh),
-            _ => Some(ShapeDesc::DeltaPoint),
+            Type::Known(kind) => self.shape(kind, &object),
+            Type::Unknown | Type::Later => None,
         };
+        // What every surface has is checked in one of unknown type, too.
         let transform = self.transform(&object);
         let flip_normals = object.get("flip_normals").map_or(Some(false), |n| self.boolean(n));
-        let material = self.required(&object, "material");
+        let material = if kind == Type::Later { object.get("material") } else { self.required(&object, "material") };
         let material = material.and_then(|n| Some((n, self.material_reference(n, materials)?)));
-        if let Some((node, index)) = material {
+        if let (Type::Known(kind), Some((node, index))) = (kind, material) {
             self.check_material_fits(kind, node, index, materials);
         }
         Some(SurfaceDesc {
@@ -59,6 +64,17 @@ impl<'a> Context<'a> {
             flip_normals: flip_normals?,
             at: self.place(&object.node),
         })
+    }
+
+    fn shape(&mut self, kind: &str, object: &Object<'a>) -> Option<ShapeDesc> {
+        match kind {
+            "quad" => self.quad(object),
+            "sphere" => self.radius(object).map(|radius| ShapeDesc::Sphere { radius }),
+            "disk" => self.radius(object).map(|radius| ShapeDesc::Disk { radius }),
+            "triangle" => self.triangle(object).map(ShapeDesc::Mesh),
+            "mesh" => self.mesh(object).map(ShapeDesc::Mesh),
+            _ => Some(ShapeDesc::DeltaPoint),
+        }
     }
 
     /// Delta points and point or spot lights need each other.
@@ -100,8 +116,10 @@ impl<'a> Context<'a> {
             }
             (None, Some(_)) => self.inline_mesh(object),
             (None, None) => {
-                let message = "a mesh needs a \"filename\", or inline \"positions\" and \"indices\"";
-                self.error(&object.node, message);
+                if ["filename", "positions", "indices"].iter().all(|key| self.is_untold(object, key)) {
+                    let message = "a mesh needs a \"filename\", or inline \"positions\" and \"indices\"";
+                    self.error(&object.node, message);
+                }
                 None
             }
         }

@@ -1,6 +1,6 @@
 //! Transforms: look-at, frame, translation, scale, rotation, matrix, and sequences of them.
 
-use super::context::{Context, Object};
+use super::context::{Context, Keys, Object};
 use super::json::{Kind, Node};
 use super::value::ANY;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -13,6 +13,10 @@ const PARALLEL: f64 = 1e-9;
 
 /// The forms a transform can take, for messages.
 const FORMS: &str = "{from, at, up}, {o, x, y, z}, {translate}, {scale}, {axis, angle}, {rotate}, {matrix}";
+
+/// The keys of all forms.
+const KEYS: &[&str] =
+    &["from", "at", "to", "up", "o", "x", "y", "z", "translate", "scale", "axis", "angle", "rotate", "matrix"];
 
 impl<'a> Context<'a> {
     /// The transform under `transform`; the identity where there is none.
@@ -38,30 +42,33 @@ impl<'a> Context<'a> {
         let object = self.object(node, "an object or an array of objects")?;
         let has_any = |keys: &[&str]| keys.iter().any(|k| object.has(k));
         let transform = if has_any(&["from", "at", "to", "up"]) {
-            self.check_keys(&object, &["from", "at", "to", "up"], &[]);
+            self.check_keys(&object, &Keys::only(&["from", "at", "to", "up"]));
             self.look_at(&object)
         } else if has_any(&["o", "x", "y", "z"]) {
-            self.check_keys(&object, &["o", "x", "y", "z"], &[]);
+            self.check_keys(&object, &Keys::only(&["o", "x", "y", "z"]));
             self.frame(&object)
         } else if let Some(value) = object.get("translate") {
-            self.check_keys(&object, &["translate"], &[]);
+            self.check_keys(&object, &Keys::only(&["translate"]));
             self.point(value).map(DAffine3::from_translation)
         } else if let Some(value) = object.get("scale") {
-            self.check_keys(&object, &["scale"], &[]);
+            self.check_keys(&object, &Keys::only(&["scale"]));
             self.point(value).map(DAffine3::from_scale)
         } else if has_any(&["axis", "angle"]) {
-            self.check_keys(&object, &["axis", "angle"], &[]);
+            self.check_keys(&object, &Keys::only(&["axis", "angle"]));
             self.axis_angle(&object)
         } else if let Some(value) = object.get("rotate") {
-            self.check_keys(&object, &["rotate"], &[]);
+            self.check_keys(&object, &Keys::only(&["rotate"]));
             let [degrees, x, y, z] = self.vector_nodes::<4>(value)?.map(|n| self.number(&n, ANY));
             self.rotation(value, DVec3::new(x?, y?, z?), degrees?)
         } else if let Some(value) = object.get("matrix") {
-            self.check_keys(&object, &["matrix"], &[]);
+            self.check_keys(&object, &Keys::only(&["matrix"]));
             self.matrix(value)
         } else {
-            self.check_keys(&object, &["from", "at", "to", "up", "o", "x", "y", "z"], &[]);
-            self.error(node, format!("no transform; allowed: {FORMS}"));
+            // Whatever is there is unknown; only where nothing is, nothing has been told.
+            self.check_keys(&object, &Keys::only(KEYS));
+            if object.is_empty() {
+                self.error(node, format!("no transform; allowed: {FORMS}"));
+            }
             None
         }?;
         self.regular(node, transform)
@@ -80,7 +87,6 @@ impl<'a> Context<'a> {
     fn look_at(&mut self, object: &Object<'a>) -> Option<DAffine3> {
         if object.has("at") && object.has("to") {
             self.error(&object.node, "\"at\" and \"to\" mean the same; give one of them");
-            return None;
         }
         let from = self.point_or(object, "from", DVec3::Z);
         let at = self.point_or(object, if object.has("to") { "to" } else { "at" }, DVec3::ZERO);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub use atomic::write_atomically;
 pub use exr::write_exr;
 pub use png::{srgb_decode, srgb_encode, write_png};
-pub use read::read_image;
+pub use read::{format_of_content, read_image};
 
 use crate::film::Image;
 
@@ -24,11 +24,13 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 pub struct OutputError {
     /// The whole message.
     pub message: String,
+    /// Whether the file was read, but its content is no image that can be used.
+    pub bad_content: bool,
 }
 
 impl OutputError {
     fn new(doing: &str, path: &Path, why: impl fmt::Display) -> Self {
-        Self { message: format!("cannot {doing} `{}`: {why}", path.display()) }
+        Self { message: format!("cannot {doing} `{}`: {why}", path.display()), bad_content: false }
     }
 }
 
@@ -73,6 +75,15 @@ pub enum Format {
     Exr,
     /// PNG: 8-bit sRGB.
     Png,
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Exr => "EXR",
+            Self::Png => "PNG",
+        })
+    }
 }
 
 impl Format {

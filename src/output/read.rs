@@ -12,11 +12,28 @@ use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder};
 
 use super::png::srgb_decode;
-use super::{MAX_PIXELS, OutputError};
+use super::{Format, MAX_PIXELS, OutputError};
 use crate::film::Image;
 
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 const PNG_MAGIC: [u8; 4] = [0x89, b'P', b'N', b'G'];
+
+/// The format that a file's first bytes show, whatever its name; `None` for any other file, or for none at all.
+pub fn format_of_content(path: &Path) -> Option<Format> {
+    // Opening a pipe could wait for ever.
+    std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+    let mut magic = [0; 4];
+    File::open(path).ok()?.read_exact(&mut magic).ok()?;
+    format_of_magic(magic)
+}
+
+fn format_of_magic(magic: [u8; 4]) -> Option<Format> {
+    match magic {
+        EXR_MAGIC => Some(Format::Exr),
+        PNG_MAGIC => Some(Format::Png),
+        _ => None,
+    }
+}
 
 /// Reads an image, its format told by its first bytes: an EXR's first layer with channels R, G and B (half, float or
 /// integer, any compression the `exr` crate knows; other channels and layers are ignored; of a crop, the data window
@@ -27,22 +44,23 @@ const PNG_MAGIC: [u8; 4] = [0x89, b'P', b'N', b'G'];
 /// # Errors
 /// A file that cannot be opened, is neither format, is too large, damaged, or lacks RGB channels.
 pub fn read_image(path: &Path) -> Result<Image, OutputError> {
-    let error = |why: String| OutputError::new("read", path, why);
-    let io = |e: std::io::Error| error(format!("{e}; check the name and the permissions"));
+    let system = |why: String| OutputError::new("read", path, why);
+    let error = |why: String| OutputError { bad_content: true, ..OutputError::new("read", path, why) };
+    let io = |e: std::io::Error| system(format!("{e}; check the name and the permissions"));
     let mut file = File::open(path).map_err(io)?;
     let there = file.metadata().map_err(io)?;
     if there.is_dir() {
-        return Err(error("it is a folder; give an image file inside it".to_owned()));
+        return Err(system("it is a folder; give an image file inside it".to_owned()));
     }
     let mut magic = [0; 4];
     if let Err(e) = file.read_exact(&mut magic) {
         return Err(error(format!("it is too short to be an image ({e}); render or copy it again")));
     }
     file.seek(SeekFrom::Start(0)).map_err(io)?;
-    match magic {
-        EXR_MAGIC => read_exr(BufReader::new(file), there.len()).map_err(error),
-        PNG_MAGIC => read_png(BufReader::new(file)).map_err(error),
-        _ => Err(error("it is neither an EXR nor a PNG image; convert it to one of them".to_owned())),
+    match format_of_magic(magic) {
+        Some(Format::Exr) => read_exr(BufReader::new(file), there.len()).map_err(error),
+        Some(Format::Png) => read_png(BufReader::new(file)).map_err(error),
+        None => Err(error("it is neither an EXR nor a PNG image; convert it to one of them".to_owned())),
     }
 }
 

@@ -4,14 +4,16 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use super::mistakes::{ARGUMENTS, SCENES};
+use super::arguments::ARGUMENTS;
+use super::mistakes::SCENES;
 
 const INTRODUCTION: &str = "\
 # Errors
 
 What `twinlight` says about mistakes. Each message names the file, the line and column, the JSON pointer of the value,
 the value and what is allowed instead. Mistakes are told all at once, in the file's order. The exit status is 2 for the
-command line, 65 for a scene or an asset, 1 for a scene file that cannot be read. No output file is touched.
+command line, 65 for a scene, an asset or an image, 1 for a scene or an image that is not there or cannot be read. No
+output file is touched.
 
 This page is made from the tables that `tests/cli.rs` runs the program on:
 `UPDATE_DOCS=1 cargo test --test cli the_page` writes it, and the test fails where it is stale.
@@ -41,7 +43,8 @@ fn page() -> String {
         out.pop();
     }
     out.push_str(
-        "\n## Command line\n\nThe scene's image has 8 × 8 pixels; `old.exr` is a file, `folder.exr` a folder.\n\n",
+        "\n## Command line\n\nThe scene's image has 8 × 8 pixels; `old.exr` is a file, `folder.exr` an empty folder, \
+         `image.png` an image, `binary` a file of\nother bytes.\n\n",
     );
     for mistake in ARGUMENTS {
         let status = if mistake.status == 2 { String::new() } else { format!(" (status {})", mistake.status) };

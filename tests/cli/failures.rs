@@ -4,8 +4,11 @@ use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::process::Stdio;
 
-use super::Folder;
-use super::mistakes::{ARGUMENTS, SCENES};
+use super::arguments::ARGUMENTS;
+use super::mistakes::SCENES;
+use super::{Folder, ROOM};
+use twinlight::film::Image;
+use twinlight::output::write_png;
 
 const GOOD: &str = r#"{"camera": {"resolution": 8}, "image_samples": 1,
     "lights": [{"type": "point", "position": [0, 0, -1], "intensity": 1}]}"#;
@@ -16,7 +19,9 @@ fn folder(name: &str) -> Folder {
     for old in ["old.exr", "old.png", "old.json", "scene.exr"] {
         folder.write(old, "what was there before");
     }
+    folder.write("binary", [0, 1, 2, 0xff]);
     std::fs::create_dir(folder.path("folder.exr")).unwrap();
+    write_png(&folder.path("image.png"), &Image::new(2, 2), 0.0).unwrap();
     folder
 }
 
@@ -30,7 +35,7 @@ fn a_mistake_in_a_scene_is_told_and_touches_no_file() {
         for outputs in [
             &["render", "scene.json"][..],
             &["render", "scene.json", "-q", "-o", "old.exr", "-o", "new.exr", "-o", "old.png", "--stats", "old.json"],
-            &["render", "scene.json", "--stats", "new.json", "--pyramid", "new/pyramid", "--accel", "bvh"],
+            &["render", "scene.json", "--stats", "new.json", "--pyramid", "new", "--accel", "bvh"],
         ] {
             let outcome = folder.run(outputs);
             assert_eq!(outcome.status, Some(65), "{}: {outcome:?}", mistake.what);
@@ -135,4 +140,77 @@ fn a_reader_that_has_gone_away_is_no_error() {
     assert_eq!(lost(&["render", "none.json"]), Some(1));
     assert_eq!(lost(&["render", "room.json", "--crop", "0,0,99,99"]), Some(2));
     assert_eq!(lost(&["info", "a.exr"]), Some(65));
+}
+
+#[test]
+fn an_image_is_no_scene_whatever_its_name() {
+    let folder = Folder::with_room("image_as_scene");
+    folder.ok(&["render", "room.json", "-q"]);
+    folder.write("room.json", folder.bytes("room.exr"));
+    let before = folder.snapshot();
+    // Its own default output would be the image itself: that is not what is wrong.
+    for name in ["room.exr", "room.json"] {
+        for command in ["render", "info"] {
+            let outcome = folder.run(&[command, name]);
+            let said = format!(
+                "twinlight: {name}: this is an image (EXR), not a scene; did you mean `twinlight compare` or `twinlight \
+                 convert`?\n"
+            );
+            assert_eq!((outcome.status, outcome.stderr), (Some(65), said));
+            assert!(folder.snapshot() == before);
+        }
+    }
+    // Of many scenes in a folder a few are named, in order.
+    std::fs::create_dir(folder.path("many")).unwrap();
+    (0..8).for_each(|i| folder.write(&format!("many/{}.JSON", 7 - i), ROOM));
+    folder.write("many/a.txt", "");
+    let outcome = folder.run(&["info", "many"]);
+    assert_eq!(outcome.status, Some(1));
+    assert!(outcome.stderr.ends_with("(found: 0.JSON, 1.JSON, 2.JSON, 3.JSON, 4.JSON and 3 more)\n"), "{outcome:?}");
+}
+
+/// Runs the program where no file may grow beyond 512 bytes, as on a full disk.
+fn on_a_full_disk(folder: &Folder, args: &str) -> std::process::Output {
+    // Ignoring the signal makes writing beyond the limit an error, not the program's end.
+    let script = format!("trap '' XFSZ; ulimit -f 1; exec \"$0\" {args}");
+    let mut command = std::process::Command::new("sh");
+    command.current_dir(folder.path("")).args(["-c", &script, env!("CARGO_BIN_EXE_twinlight")]);
+    command.stdin(Stdio::null()).output().unwrap()
+}
+
+#[test]
+fn whatever_cannot_be_written_whole_is_not_written_at_all() {
+    let folder = Folder::with_room("full_disk");
+    for old in ["old.exr", "old.json", "old.png", "P/s0_t2.exr", "P/pyramid.png"] {
+        std::fs::create_dir_all(folder.path("P")).unwrap();
+        folder.write(old, "what was there before");
+    }
+    folder.ok(&["render", "room.json", "-q", "--size", "64x64", "-o", "large.exr"]);
+    folder.ok(&["render", "room.json", "-q", "--size", "64x64", "--seed", "1", "-o", "other.exr"]);
+    for (args, what) in [
+        ("render room.json -q -o old.exr", "old.exr"),
+        ("render room.json -q --size 64x64 -o old.png", "old.png"),
+        ("render room.json -q --size 1x1 -o new.png --stats old.json", "old.json"),
+        ("render room.json -q --size 1x1 -o new.png --stats new.json", "new.json"),
+        ("render room.json -q --size 1x1 -o new.png --pyramid P", "P/s"),
+        ("render room.json -q --size 1x1 -o new.png --pyramid new", "new/s"),
+        ("compare large.exr other.exr --difference old.png", "old.png"),
+        ("convert large.exr old.png", "old.png"),
+    ] {
+        let before = folder.snapshot();
+        let output = on_a_full_disk(&folder, args);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{args}: {said}");
+        assert!(said.starts_with(&format!("twinlight: cannot write `{what}")), "{args}: {said}");
+        assert!(said.contains("`: writing the temporary file failed (") && said.ends_with("free space\n"), "{said}");
+        // What came before it is whole: the picture, and the pyramid's folder, which is empty.
+        let mut after = folder.snapshot();
+        let new = [folder.path("new.png"), folder.path("new")];
+        after.retain(|path, _| before.contains_key(path) || !new.contains(path));
+        assert!(after == before, "{args}: {:?}", after.keys());
+        if folder.path("new.png").exists() {
+            folder.image("new.png");
+            std::fs::remove_file(folder.path("new.png")).unwrap();
+        }
+    }
 }

@@ -39,6 +39,7 @@ fn json_tells_what_is_in_a_scene() {
             "vertices": 4,
             "quadrics": 2,
             "delta_points": 2,
+            "accelerators": json["accelerators"],
             "lights": json["lights"],
             "center": [10.0, 0.0, 0.0],
             "scale": 0.125,
@@ -47,22 +48,51 @@ fn json_tells_what_is_in_a_scene() {
             "notes": ["s.json:3:88: /accelerator: the accelerator is ignored: it is chosen on the command line"],
         })
     );
-    let lights: Vec<&str> = json["lights"].as_array().unwrap().iter().map(|l| l.as_str().unwrap()).collect();
-    let (kinds, powers): (Vec<&str>, Vec<&str>) = lights.iter().map(|l| l.split_once(", power ").unwrap()).unzip();
-    assert_eq!(kinds, ["area (parallelogram, 8.000000 square units)", "point", "spot"]);
-    let close = |said: &str, expected: [f64; 3]| {
-        let said: Vec<f64> = said.trim_end_matches(" W").split(' ').map(|n| n.parse().unwrap()).collect();
-        said.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5 * b.max(1.0))
-    };
-    assert!(close(powers[0], [8.0 * pi, 16.0 * pi, 24.0 * pi]), "{}", powers[0]);
-    assert!(close(powers[1], [4.0 * pi, 2.0 * pi, 0.0]), "{}", powers[1]);
-    assert!(close(powers[2], [pi; 3]), "{}", powers[2]);
+    let lights = json["lights"].as_array().unwrap();
+    let expected = [
+        ("area", Some("parallelogram"), Some(8.0), [8.0 * pi, 16.0 * pi, 24.0 * pi]),
+        ("point", None, None, [4.0 * pi, 2.0 * pi, 0.0]),
+        ("spot", None, None, [pi; 3]),
+    ];
+    assert_eq!(lights.len(), 3);
+    for (light, (kind, shape, area, power)) in lights.iter().zip(expected) {
+        assert_eq!(light.as_object().unwrap().len(), 4, "{light}");
+        assert_eq!((light["kind"].as_str(), light["shape"].as_str()), (Some(kind), shape), "{light}");
+        assert_eq!(light["area"].as_f64(), area, "{light}");
+        let said = light["power"].as_array().unwrap().iter().map(|p| p.as_f64().unwrap());
+        assert!(said.zip(power).all(|(a, b)| (a - b).abs() < 1e-5 * b.max(1.0)), "{light}");
+    }
+    // What the build can intersect with, the default first, in the words of the images' metadata.
+    let accelerators: Vec<&str> =
+        json["accelerators"].as_array().unwrap().iter().map(|a| a.as_str().unwrap()).collect();
+    folder.ok(&["render", "s.json", "-q", "--size", "2x2", "--spp", "1"]);
+    assert_eq!(super::exr_header(&folder.path("s.exr")).0["twinlight:accel"], accelerators[0]);
+    folder.ok(&["render", "s.json", "-q", "--size", "2x2", "--spp", "1", "--accel", "bvh"]);
+    assert_eq!(super::exr_header(&folder.path("s.exr")).0["twinlight:accel"], accelerators[accelerators.len() - 1]);
+    assert_eq!(accelerators.len(), if cfg!(feature = "embree") { 2 } else { 1 });
+    std::fs::remove_file(folder.path("s.exr")).unwrap();
     assert_eq!(folder.names(), ["s.json"]);
 }
 
 #[test]
 fn text_tells_the_same() {
     let folder = Folder::new("info_text");
+    folder.write(
+        "one.json",
+        r#"{"camera": {"transform": {"translate": [1e6, -0.123456, 0]}}, "integrator": {"max_bounces": 1}, "surfaces": [
+            {"type": "triangle", "positions": [[0, 0, 0], [1e3, 0, 0], [0, 1e6, 0]],
+             "material": {"type": "diffuse light", "emit": 1e-7}}]}"#,
+    );
+    let text = folder.ok(&["info", "one.json"]).stdout;
+    for line in [
+        "auto with at most 1 bounce\n",
+        "  geometry     1 surface: 1 triangle on 3 vertices\n",
+        "    area (1 triangle, 5.000e8 square units), power 157.1 157.1 157.1 W\n",
+    ] {
+        assert!(text.contains(line), "{line}{text}");
+    }
+    folder.write("none.json", r#"{"camera": {}}"#);
+    assert!(folder.ok(&["info", "none.json"]).stdout.contains("  geometry     0 surfaces\n"));
     folder.write("s.json", SCENE);
     let text = folder.ok(&["info", "s.json"]).stdout;
     let lines: Vec<&str> = text.lines().collect();
@@ -71,15 +101,18 @@ fn text_tells_the_same() {
         [
             "s.json",
             "  image        40 × 30, 7 spp, path with at most 9 bounces",
-            "  geometry     3 surfaces: 2 triangles on 4 vertices, 2 spheres and disks, 2 delta points",
+            "  geometry     3 surfaces: 2 triangles on 4 vertices, 2 spheres or disks, 2 delta points",
             "  render space recentred on (10, 0, 0), scaled by 2^-3",
         ]
     );
-    assert_eq!(lines[4], "  lights       3");
-    assert!(lines[5].starts_with("    area (parallelogram, 8.000000 square units), power 25.13"), "{text}");
+    assert!(lines[4].starts_with("  accelerators ") && lines[4].ends_with("; the first is the default"), "{text}");
     assert_eq!(
-        lines[8..],
+        lines[5..],
         [
+            "  lights       3",
+            "    area (parallelogram, 8 square units), power 25.13 50.27 75.4 W",
+            "    point, power 12.57 6.283 0 W",
+            "    spot, power 3.142 3.142 3.142 W",
             "  skipped",
             "    light subpaths and connections: no surface can be connected to",
             "    user geometry for delta points: transport never asks for it",

@@ -1,4 +1,5 @@
-//! What users get wrong, and what they are told: the tables behind `docs/ERRORS.md`.
+//! What users get wrong in a scene, and what they are told: the tables behind `docs/ERRORS.md`, with those of
+//! `arguments.rs`.
 //!
 //! In a scene `«` marks the place that the message must name (it is taken out before reading), so that line and column
 //! are checked without counting. A place is the file, line, column and JSON pointer.
@@ -11,18 +12,6 @@ pub struct Scene {
     pub text: &'static str,
     /// What is said after `scene.json:LINE:COLUMN: `, one per mark.
     pub messages: &'static [&'static str],
-}
-
-/// A command line, after `twinlight render`, with a mistake in it.
-pub struct Arguments {
-    /// In words.
-    pub what: &'static str,
-    /// The arguments, separated by spaces.
-    pub arguments: &'static str,
-    /// The exit status.
-    pub status: i32,
-    /// The first paragraph of what is said.
-    pub message: &'static str,
 }
 
 /// The sections of the page: a title and its mistakes. All of them end with status 65.
@@ -66,7 +55,15 @@ const JSON: &[Scene] = &[
         text: r#"{"camera": {«"vfovv": 40}}"#,
         messages: &[
             "/camera/vfovv: unknown key \"vfovv\"; did you mean \"vfov\"? allowed: type, transform, resolution, vfov, \
-             fdist, aperture, filter",
+             fdist",
+        ],
+    },
+    Scene {
+        what: "A slip in the name of a key that must be there",
+        text: r#"{"camera": {}, "materials": [{"name": "m", "type": "lambertian", «"albdo": 0.5}]}"#,
+        messages: &[
+            "/materials/0/albdo: unknown key \"albdo\"; did you mean \"albedo\"? allowed: type, name, albedo, two_sided, \
+             emit",
         ],
     },
     Scene {
@@ -129,6 +126,22 @@ const NAMES: &[Scene] = &[
         messages: &[
             "/materials/0/type: unknown material type \"lambertain\"; did you mean \"lambertian\"? allowed: lambertian, \
              mirror, metal, dielectric, diffuse light, point light, spot light, null",
+        ],
+    },
+    Scene {
+        what: "An unknown type hides no other mistake",
+        text: "{\"camera\": {}, \"surfaces\": [\n  {\"type\": «\"spher\", \"radius\": «-1, \"material\": «\"white\"},\n  \
+               «{\"type\": «\"teapot\", \"transform\": «{\"scale\": 0}, «\"sise\": 2}]}",
+        messages: &[
+            "/surfaces/0/type: unknown surface type \"spher\"; did you mean \"sphere\"? allowed: quad, sphere, disk, \
+             triangle, mesh, delta point",
+            "/surfaces/0/radius: -1 is out of range; allowed: above 0",
+            "/surfaces/0/material: no material is named \"white\"; there are no named materials",
+            "/surfaces/1: \"material\" is missing",
+            "/surfaces/1/type: unknown surface type \"teapot\"; allowed: quad, sphere, disk, triangle, mesh, delta point",
+            "/surfaces/1/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
+            "/surfaces/1/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, \
+             flip_normals, size, radius, filename, positions, indices, normals, uvs",
         ],
     },
 ];
@@ -273,168 +286,6 @@ const MESHES: &[Scene] = &[
         what: "A position that is not finite",
         text: r#"{"camera": {}, "surfaces": [{"type": "triangle", "positions": [0, 1, [0, «1e39, 0]], "material": {"type": "mirror"}}]}"#,
         messages: &["/surfaces/0/positions/2/1: 1e39 is out of range; allowed: -3.4e38 to 3.4e38 (32-bit floats)"],
-    },
-];
-
-/// What is wrong with the command line itself. `scene.json` is right.
-pub const ARGUMENTS: [Arguments; 25] = [
-    Arguments {
-        what: "A scene that is not there",
-        arguments: "none.json",
-        status: 1,
-        message: "twinlight: none.json: cannot read the scene file: No such file or directory (os error 2)",
-    },
-    Arguments {
-        what: "No scene",
-        arguments: "--spp 4",
-        status: 2,
-        message: "error: the following required arguments were not provided:\n  <SCENE>",
-    },
-    Arguments {
-        what: "An unknown option",
-        arguments: "scene.json --sp 4",
-        status: 2,
-        message: "error: unexpected argument '--sp' found",
-    },
-    Arguments {
-        what: "No samples",
-        arguments: "scene.json --spp 0",
-        status: 2,
-        message: "error: invalid value '0' for '--spp <N>': 0 is not in 1..=4294967295",
-    },
-    Arguments {
-        what: "A size of zero",
-        arguments: "scene.json --size 0x64",
-        status: 2,
-        message: "error: invalid value '0x64' for '--size <WxH>': each side must be 1 to 65536 pixels, the area at most \
-                  268435456",
-    },
-    Arguments {
-        what: "An absurd size",
-        arguments: "scene.json --size 65536x65536",
-        status: 2,
-        message: "error: invalid value '65536x65536' for '--size <WxH>': each side must be 1 to 65536 pixels, the area \
-                  at most 268435456",
-    },
-    Arguments {
-        what: "Half a size",
-        arguments: "scene.json --size 64",
-        status: 2,
-        message: "error: invalid value '64' for '--size <WxH>': write it as 640x480",
-    },
-    Arguments {
-        what: "An empty crop",
-        arguments: "scene.json --crop 4,4,4,8",
-        status: 2,
-        message: "error: invalid value '4,4,4,8' for '--crop <x0,y0,x1,y1>': no pixel lies in columns 4..4 and rows 4..8: \
-                  the ends are exclusive and must come after the starts",
-    },
-    Arguments {
-        what: "A crop outside the image",
-        arguments: "scene.json --crop 0,0,9,8",
-        status: 2,
-        message: "twinlight: --crop 0,0,9,8 reaches outside the image: it is 8 × 8 pixels, the ends of a crop are exclusive",
-    },
-    Arguments {
-        what: "A crop of three numbers",
-        arguments: "scene.json --crop 0,0,8",
-        status: 2,
-        message: "error: invalid value '0,0,8' for '--crop <x0,y0,x1,y1>': write it as x0,y0,x1,y1 in pixels, for \
-                  example 0,0,64,64",
-    },
-    Arguments {
-        what: "No threads",
-        arguments: "scene.json --threads 0",
-        status: 2,
-        message: "error: invalid value '0' for '--threads <N>': 0 is not in 1..=4096",
-    },
-    Arguments {
-        what: "A negative seed",
-        arguments: "scene.json --seed=-1",
-        status: 2,
-        message: "error: invalid value '-1' for '--seed <N>': write it as a whole number from 0 to 18446744073709551615",
-    },
-    Arguments {
-        what: "An unknown integrator",
-        arguments: "scene.json --integrator bpdt",
-        status: 2,
-        message: "error: invalid value 'bpdt' for '--integrator <X>'\n  [possible values: auto, bdpt, path, light]",
-    },
-    Arguments {
-        what: "An exposure that is no number",
-        arguments: "scene.json --exposure nan",
-        status: 2,
-        message: "error: invalid value 'nan' for '--exposure <STOPS>': write it as a number of stops from -100 to 100, \
-                  for example 1.5",
-    },
-    Arguments {
-        what: "A light tracer without light subpaths",
-        arguments: "scene.json --integrator light --light-paths 0",
-        status: 2,
-        message: "twinlight: --light-paths 0 leaves the light tracer nothing to do: give at least 1",
-    },
-    Arguments {
-        what: "A technique that the integrator has not",
-        arguments: "scene.json --integrator path --technique 2,2",
-        status: 2,
-        message: "twinlight: --technique 2,2: the path integrator has no such technique; use bdpt",
-    },
-    Arguments {
-        what: "A technique of too long paths",
-        arguments: "scene.json --technique 3,3 --max-bounces 2",
-        status: 2,
-        message: "twinlight: --technique 3,3: its paths scatter 4 times and max_bounces is 2; give --max-bounces 4 or more",
-    },
-    Arguments {
-        what: "An output of no known format",
-        arguments: "scene.json -o image.jpg",
-        status: 2,
-        message: "twinlight: cannot write `image.jpg`: the extension `.jpg` names no known format; use `.exr` (linear) or \
-                  `.png` (sRGB)",
-    },
-    Arguments {
-        what: "An output in no folder",
-        arguments: "scene.json -o none/image.exr",
-        status: 2,
-        message: "twinlight: cannot write `none/image.exr`: the folder `none` cannot be entered (No such file or \
-                  directory (os error 2)); create it first",
-    },
-    Arguments {
-        what: "An output in a file's place",
-        arguments: "scene.json -o old.exr/image.exr",
-        status: 2,
-        message: "twinlight: cannot write `old.exr/image.exr`: `old.exr` is not a folder; choose another place",
-    },
-    Arguments {
-        what: "An output in a folder's place",
-        arguments: "scene.json -o folder.exr",
-        status: 2,
-        message: "twinlight: cannot write `folder.exr`: it is a folder; give a file's name inside it",
-    },
-    Arguments {
-        what: "The scene as an output",
-        arguments: "scene.json --stats ./scene.json",
-        status: 2,
-        message: "twinlight: ./scene.json: this is the scene itself; choose another name",
-    },
-    Arguments {
-        what: "Two outputs of one name",
-        arguments: "scene.json -o image.exr --stats ./image.exr",
-        status: 2,
-        message: "twinlight: ./image.exr: two outputs would be written to this file; choose another name",
-    },
-    Arguments {
-        what: "Statistics in no folder",
-        arguments: "scene.json --stats none/stats.json",
-        status: 2,
-        message: "twinlight: cannot write `none/stats.json`: the folder `none` cannot be entered (No such file or \
-                  directory (os error 2)); create it first",
-    },
-    Arguments {
-        what: "A pyramid in a file's place",
-        arguments: "scene.json --pyramid old.exr",
-        status: 2,
-        message: "twinlight: --pyramid: cannot write `old.exr/s0_t2.exr`: `old.exr` is not a folder; choose another place",
     },
 ];
 

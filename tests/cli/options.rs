@@ -80,8 +80,75 @@ fn integrators_agree() {
         let ratio = mean_ratio(other, &images[0]);
         assert!(other != &images[0] && (ratio - 1.0).abs() < 0.03, "{ratio}");
     }
-    let loud = folder.ok(&["render", "room.json", "--integrator", "auto", "-o", "a.exr"]);
-    assert!(loud.stderr.starts_with("integrator auto means bdpt for now\n"), "{}", loud.stderr);
+}
+
+#[test]
+fn the_first_line_says_what_is_rendered_by_what() {
+    let folder = Folder::with_room("first_line");
+    folder.write("auto.json", super::ROOM.replace("\"bdpt\"", "\"auto\""));
+    let processors = std::thread::available_parallelism().unwrap();
+    let default = format!("{processors} thread{}", if processors.get() == 1 { "" } else { "s" });
+    for (args, start) in [
+        ("room.json --threads 1", "room.json: 16 × 12 pixels, 4 spp, bdpt, 1 thread, "),
+        ("room.json --integrator auto --threads 2", "room.json: 16 × 12 pixels, 4 spp, auto = bdpt, 2 threads, "),
+        ("auto.json --spp 3", &format!("auto.json: 16 × 12 pixels, 3 spp, auto = bdpt, {default}, ")),
+        (
+            "auto.json --integrator path --crop 1,2,16,12 --threads 1",
+            "auto.json: 16 × 12 pixels, of these 1,2 to 16,12, 4 spp, path, 1 thread, ",
+        ),
+    ] {
+        let outcome = folder.ok(&[vec!["render"], args.split(' ').collect(), vec!["-o", "a.exr"]].concat());
+        let accel = exr_header(&folder.path("a.exr")).0["twinlight:accel"].clone();
+        assert_eq!(outcome.stderr.lines().next(), Some(format!("{start}{accel}").as_str()), "{outcome:?}");
+        assert_eq!(outcome.stderr.matches("bdpt").count(), usize::from(start.contains("bdpt")), "{outcome:?}");
+    }
+}
+
+/// What the user surely expects something of is refused (`arguments.rs`); what is idle for another's reasons is noted.
+#[test]
+fn options_that_change_nothing_are_noted() {
+    let folder = Folder::with_room("idle");
+    folder.write("tame.json", super::ROOM.replace("\"max_bounces\"", "\"russian_roulette\": false, \"max_bounces\""));
+    let one = "the light integrator has one technique for each path, whose weight is 1";
+    let notes: [(&str, &[String]); 8] = [
+        ("room.json --integrator light --heuristic power", &[format!("--heuristic changes nothing: {one}")]),
+        (
+            "room.json --integrator light --technique 2,1 --unweighted",
+            &[format!("--unweighted changes nothing: {one}")],
+        ),
+        ("room.json --integrator bdpt --heuristic power", &[]),
+        (
+            "tame.json --roulette-after 3",
+            &["--roulette-after changes nothing: the scene turns roulette off".to_owned()],
+        ),
+        ("room.json --roulette-after 3", &[]),
+        (
+            "room.json --pyramid P --pyramid-edges 7",
+            &["--pyramid-edges 7 is more than paths can have: max_bounces 5 ends them at 6".to_owned()],
+        ),
+        ("room.json --pyramid P --pyramid-edges 6", &[]),
+        // Six edges are the default, not what anyone asked for.
+        ("room.json --pyramid P --max-bounces 1", &[]),
+    ];
+    for (args, expected) in notes {
+        let args = [vec!["render"], args.split(' ').collect(), vec!["-o", "a.exr"]].concat();
+        let said = folder.ok(&args).stderr;
+        let found: Vec<&str> = said.lines().filter_map(|l| l.strip_prefix("note: ")).collect();
+        assert_eq!(found, expected, "{args:?}: {said}");
+        assert_eq!(folder.ok(&[&args[..], &["--quiet"]].concat()).stderr, "");
+    }
+    // Numbers that go together are accepted, given or not.
+    for args in [
+        &["--light-paths", "0"][..],
+        &["--light-paths", "0", "--connections", "0"],
+        &["--connections", "1"],
+        &["--light-paths", "2", "--connections", "2"],
+        &["--integrator", "light", "--light-paths", "2"],
+    ] {
+        folder.rendered("a.exr", args);
+    }
+    // A pyramid holds PNG files as well.
+    folder.rendered("a.exr", &["--pyramid", "P", "--exposure", "1"]);
 }
 
 #[cfg(feature = "embree")]

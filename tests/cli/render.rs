@@ -208,7 +208,7 @@ fn statistics_have_every_field() {
 #[test]
 fn quiet_says_nothing_and_otherwise_lines_are_plain() {
     let folder = Folder::with_room("quiet");
-    // Everything that is said otherwise: a note, `auto`, a warning, the summary.
+    // Everything that is said otherwise: a note, warnings, what is rendered by what, the summary.
     let dark = r#"{"camera": {"resolution": 4}, "image_samples": 1, "accelerator": {"type": "bbh"},
         "surfaces": [{"type": "triangle", "positions": [0, 1, 2], "material": {"type": "diffuse light", "emit": 1}}]}"#;
     folder.write("dark.json", dark);
@@ -218,14 +218,14 @@ fn quiet_says_nothing_and_otherwise_lines_are_plain() {
     assert_eq!(loud.stdout, "");
     let lines: Vec<&str> = loud.stderr.lines().collect();
     let expected = [
-        "dark.json:1:66: /accelerator: the accelerator is ignored: it is chosen on the command line",
-        "integrator auto means bdpt for now",
+        "note: dark.json:1:66: /accelerator: the accelerator is ignored: it is chosen on the command line",
         "warning: dark.json:2:22: /surfaces/0: 1 triangle without area dropped, of 1",
         "warning: dark.json:2:22: /surfaces/0: the light has no area: it emits nothing",
         "warning: dark.json:1:12: /camera: nothing in the scene shines: the image will be black",
     ];
-    assert_eq!(lines[..lines.len() - 1], expected);
-    let summary = lines[lines.len() - 1];
+    assert_eq!(lines[..4], expected);
+    assert!(lines[4].starts_with("dark.json: 4 × 4 pixels, 1 spp, auto = bdpt, "), "{}", lines[4]);
+    let [summary] = lines[5..] else { panic!("{lines:?}") };
     assert!(summary.starts_with("dark.exr: 1 spp in ") && summary.ends_with(" Mrays/s)"), "{summary}");
     assert!(!loud.stderr.contains(['\r', '\x1b']), "{:?}", loud.stderr);
     assert_eq!(folder.image("dark.exr").mean(), [0.0; 3]);
@@ -233,7 +233,7 @@ fn quiet_says_nothing_and_otherwise_lines_are_plain() {
     assert_ne!(folder.run(&["render", "none.json", "--quiet"]).stderr, "");
 }
 
-/// The first line comes after ten seconds. The render is ended then, in its middle: it must leave nothing behind.
+/// The first line of progress comes after ten seconds. The render is ended then, in its middle: it must leave nothing behind.
 #[test]
 fn progress_is_told_in_plain_lines_and_a_killed_render_leaves_no_file() {
     let folder = Folder::with_room("progress");
@@ -241,10 +241,13 @@ fn progress_is_told_in_plain_lines_and_a_killed_render_leaves_no_file() {
     let before = folder.snapshot();
     let args = ["render", "room.json", "-o", "new.exr", "-o", "old.exr", "--spp", "1000000000", "--threads", "1"];
     let mut child = folder.command(&args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut line = String::new();
-    BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
+    let (mut first, mut line) = (String::new(), String::new());
+    let mut lines = BufReader::new(child.stderr.take().unwrap());
+    lines.read_line(&mut first).unwrap();
+    lines.read_line(&mut line).unwrap();
     child.kill().unwrap();
     child.wait().unwrap();
+    assert!(first.starts_with("room.json: 16 × 12 pixels, 1000000000 spp, bdpt, 1 thread, "), "{first}");
     // `  0.0 %  2345.6/1000000000 spp  1.23 Mrays/s  12 h 34 min left`
     let words: Vec<&str> = line.split_whitespace().collect();
     let number = |i: usize| words[i].parse::<f64>().unwrap();

@@ -15,6 +15,7 @@ fn techniques() -> Vec<(u32, u32)> {
 fn the_pyramids_images_are_the_image_taken_apart() {
     let folder = Folder::with_room("pyramid");
     let plain = folder.rendered("plain.exr", &SHORT);
+    std::fs::create_dir(folder.path("a")).unwrap();
     let full = folder.rendered("full.exr", &[&SHORT[..], &["--pyramid", "a/pyramid", "--pyramid-edges", "4"]].concat());
     assert!(plain == full, "keeping techniques apart changes the image");
     let written: BTreeSet<String> = std::fs::read_dir(folder.path("a/pyramid"))
@@ -50,6 +51,85 @@ fn the_pyramids_images_are_the_image_taken_apart() {
     std::fs::create_dir(folder.path("there")).unwrap();
     folder.rendered("full.exr", &["--pyramid", "there", "--pyramid-edges", "1"]);
     assert!(folder.path("there/s0_t2.exr").exists() && !folder.path("there/s1_t2.exr").exists());
+}
+
+#[test]
+fn what_a_pyramid_holds_is_told_and_its_sheet_can_be_read() {
+    let folder = Folder::with_room("sheet");
+    let options = ["--pyramid", "P", "--pyramid-edges", "3", "--spp", "64", "-o", "full.exr"];
+    let told = folder.ok(&[&["render", "room.json"], &options[..]].concat()).stderr;
+    let line = told.lines().last().unwrap();
+    let count = std::fs::read_dir(folder.path("P")).unwrap().count() / 2;
+    let rows = line.strip_prefix(&format!(
+        "P: images of {count} techniques (sS_tT.exr and .png); the sheet pyramid.png has s growing to the right and a row \
+         for each number of edges, brightened: "
+    ));
+    let rows: Vec<(u32, f64)> = rows
+        .unwrap_or_else(|| panic!("{line}"))
+        .split(", ")
+        .map(|row| row.split_once(" ×").unwrap())
+        .map(|(edges, factor)| (edges.parse().unwrap(), factor.parse().unwrap()))
+        .collect();
+    assert_eq!(rows.iter().map(|row| row.0).collect::<Vec<u32>>(), [1, 2, 3]);
+    let sheet = folder.image("P/pyramid.png");
+    for (edges, factor) in rows {
+        assert!(factor >= 1.0 && factor.log2().fract() == 0.0, "{factor}");
+        // The image is on the sheet at its own size, times the row's factor: one place, and only one, holds it.
+        let image = folder.image(&format!("P/s1_t{edges}.exr"));
+        let byte = |v: f64| (255.0 * twinlight::output::srgb_encode(v.clamp(0.0, 1.0))).round() as i32;
+        let at = |x0: u32, y0: u32| {
+            (0..12).all(|y| {
+                (0..16).all(|x| {
+                    let (shown, value) = (sheet.get(x0 + x, y0 + y), image.get(x, y));
+                    shown.iter().zip(value).all(|(s, v)| byte(f64::from(*s)) == byte(f64::from(v) * factor))
+                })
+            })
+        };
+        let places = (0..=sheet.height - 12).flat_map(|y| (0..=sheet.width - 16).map(move |x| (x, y)));
+        assert_eq!(places.filter(|(x, y)| at(*x, *y)).count(), 1, "s = 1, t = {edges}: ×{factor}");
+    }
+    // Stops brighten the images and are not undone by the rows' factors where these are 1 already.
+    folder.rendered("full.exr", &["--pyramid", "P", "--pyramid-edges", "1", "--exposure", "-3"]);
+    let (darker, plain) = (folder.image("P/s0_t2.png"), folder.image("P/s0_t2.exr"));
+    assert!(plain.mean()[0] > 0.0 && darker.mean()[0] < 0.2 * plain.mean()[0]);
+    // Nothing to show is said as well.
+    folder.write("dark.json", r#"{"camera": {"resolution": 2}, "image_samples": 1}"#);
+    let told = folder.ok(&["render", "dark.json", "--pyramid", "D"]).stderr;
+    assert!(told.ends_with("D: no technique found any light, so that no image was written\n"), "{told}");
+    assert_eq!(std::fs::read_dir(folder.path("D")).unwrap().count(), 0);
+}
+
+#[test]
+fn a_pyramid_goes_where_an_output_may_go() {
+    let folder = Folder::with_room("pyramid_place");
+    folder.write("file", "what was there before");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("nowhere", folder.path("link")).unwrap();
+    let before = folder.names();
+    for (place, why) in [
+        (
+            "no/such/D3",
+            "the folder `no/such` cannot be entered (No such file or directory (os error 2)); create it first",
+        ),
+        ("no/D3/", "the folder `no` cannot be entered (No such file or directory (os error 2)); create it first"),
+        ("file", "`file` is not a folder; choose another place"),
+        ("file/D3", "`file` is not a folder; choose another place"),
+        ("link", "the folder `link` cannot be entered (No such file or directory (os error 2)); create it first"),
+    ] {
+        let outcome = folder.run(&["render", "room.json", "-o", "a.exr", "--pyramid", place]);
+        assert_eq!(outcome.status, Some(2), "{outcome:?}");
+        assert!(outcome.stderr.starts_with("twinlight: --pyramid: cannot write `"), "{outcome:?}");
+        assert!(outcome.stderr.ends_with(&format!("{why}\n")), "{outcome:?}");
+        assert_eq!(folder.names(), before, "{place}");
+    }
+    // What the pyramid writes, nothing else may; beside it there is room.
+    std::fs::create_dir(folder.path("P")).unwrap();
+    for name in ["P/pyramid.png", "./P/s12_t1.exr", "P/s0_t2.png"] {
+        let outcome = folder.run(&["render", "room.json", "-o", name, "--pyramid", "P"]);
+        assert_eq!(outcome.status, Some(2), "{outcome:?}");
+        assert!(outcome.stderr.contains("the pyramid writes a file of this name there"), "{outcome:?}");
+    }
+    folder.rendered("P/full.exr", &["--pyramid", "P/", "-o", "s0_t2.exr", "-o", "P/s_t2.exr"]);
 }
 
 #[test]

@@ -51,6 +51,7 @@ fn file_encoding() {
         error("utf16.json", b"\xff\xfe{\0}\0"),
         "1:1: the file is UTF-16; a scene must be UTF-8 text: save it as UTF-8 without a byte order mark"
     );
+    assert_eq!(error("binary.json", b"\x7fELF\0\xff"), " this is a binary file, not a scene; a scene is JSON text");
     assert!(error("bom.json", b"\xef\xbb\xbf{}").starts_with("1:1: the file starts with a byte order mark"));
     match load_scene(Path::new("no/such/scene.json")) {
         Err(ImportError::Io { path, source }) => {
@@ -69,16 +70,16 @@ fn keys() {
         (
             r#"{"camera": {}, «"surface": []}"#,
             "/surface: unknown key \"surface\"; did you mean \"surfaces\"? allowed: camera, integrator, sampler, \
-             image_samples, background, materials, surfaces, lights, textures, accelerator, media",
+             image_samples, materials, surfaces, lights",
         ),
         (
             r#"{"camera": {«"vfovv": 40}}"#,
             "/camera/vfovv: unknown key \"vfovv\"; did you mean \"vfov\"? allowed: type, transform, resolution, vfov, \
-             fdist, aperture, filter",
+             fdist",
         ),
         (
             r#"{"camera": {«"a/b~c": 1}}"#,
-            "/camera/a~1b~0c: unknown key \"a/b~c\"; allowed: type, transform, resolution, vfov, fdist, aperture, filter",
+            "/camera/a~1b~0c: unknown key \"a/b~c\"; allowed: type, transform, resolution, vfov, fdist",
         ),
         (
             "{\"camera\": {\"vfov\": 40,\n  «\"vfov\": 50}}",
@@ -184,6 +185,68 @@ fn all_mistakes_of_a_file_are_reported_in_its_order() {
             "/camera/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
         ],
     );
+}
+
+/// A slip in a key's name is one mistake, not a key too many and one too few.
+#[test]
+fn a_slip_in_a_key_is_told_once() {
+    const MATERIAL: &str = "allowed: type, name, albedo, two_sided, emit";
+    const SPOT: &str = "allowed: type, position, at, direction, intensity, inner_angle, outer_angle, falloff";
+    for (scene, messages) in [
+        (
+            r#"{«"camra": {}}"#,
+            &["/camra: unknown key \"camra\"; did you mean \"camera\"? allowed: camera, integrator, sampler, \
+               image_samples, materials, surfaces, lights"
+                .to_owned()][..],
+        ),
+        (
+            r#"{"camera": {}, "materials": [{«"nmae": "m", "type": "lambertian", «"albdo": 0.5}]}"#,
+            &[
+                format!("/materials/0/nmae: unknown key \"nmae\"; did you mean \"name\"? {MATERIAL}"),
+                format!("/materials/0/albdo: unknown key \"albdo\"; did you mean \"albedo\"? {MATERIAL}"),
+            ],
+        ),
+        // Nothing near is missing: then two mistakes are two; and a key that is there is not what was meant.
+        (
+            r#"{"camera": {}, "materials": [«{"name": "m", "type": "lambertian", «"colour": 0.5}]}"#,
+            &[
+                "/materials/0: \"albedo\" is missing".to_owned(),
+                format!("/materials/0/colour: unknown key \"colour\"; {MATERIAL}"),
+            ],
+        ),
+        (
+            r#"{"camera": {}, "materials": [{"name": "m", "type": "lambertian", "albedo": 0.5, «"albdo": 0.5}]}"#,
+            &[format!("/materials/0/albdo: unknown key \"albdo\"; did you mean \"albedo\"? {MATERIAL}")],
+        ),
+        (
+            r#"{"camera": {}, "lights": [{"type": "spot", «"postion": 0, «"dirction": 1, «"intensty": 1,
+                «"iner_angle": 1, "outer_angle": 2}]}"#,
+            &["postion position", "dirction direction", "intensty intensity", "iner_angle inner_angle"].map(|slip| {
+                let (wrong, right) = slip.split_once(' ').unwrap();
+                format!("/lights/0/{wrong}: unknown key \"{wrong}\"; did you mean \"{right}\"? {SPOT}")
+            }),
+        ),
+        (
+            r#"{"camera": {}, "surfaces": [{«"tpye": "quad", "material": {"type": "null"}}]}"#,
+            &["/surfaces/0/tpye: unknown key \"tpye\"; did you mean \"type\"? allowed: type, transform, material, \
+               flip_normals, size, radius, filename, positions, indices, normals, uvs"
+                .to_owned()],
+        ),
+        (
+            r#"{"camera": {}, "surfaces": [{"type": "mesh", «"filname": "a.obj", "material": {"type": "null"}}]}"#,
+            &["/surfaces/0/filname: unknown key \"filname\"; did you mean \"filename\"? allowed: type, transform, \
+               material, flip_normals, filename, positions, indices, normals, uvs"
+                .to_owned()],
+        ),
+        (
+            r#"{"camera": {"transform": {«"tranlate": [1, 2, 3]}}}"#,
+            &["/camera/transform/tranlate: unknown key \"tranlate\"; did you mean \"translate\"? allowed: from, at, to, \
+               up, o, x, y, z, translate, scale, axis, angle, rotate, matrix"
+                .to_owned()],
+        ),
+    ] {
+        expect_errors(scene, &messages.iter().map(String::as_str).collect::<Vec<&str>>());
+    }
 }
 
 #[test]

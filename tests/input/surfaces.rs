@@ -50,7 +50,21 @@ fn materials() {
             ),
             (
                 r#""type": "mirror", «"opacity": 1"#,
-                "/materials/0/opacity: \"opacity\" is not supported yet; supported here: type, name, albedo, emit, emit_two_sided",
+                "/materials/0/opacity: \"opacity\" is not supported yet; supported here: type, name, albedo, emit",
+            ),
+            // Keys that take nothing but their default are no advice.
+            (
+                r#""type": "metal", «"color": 1"#,
+                "/materials/0/color: unknown key \"color\"; allowed: type, name, albedo, emit",
+            ),
+            (
+                r#""type": "diffuse light", "emit": 1, «"color": 1"#,
+                "/materials/0/color: unknown key \"color\"; allowed: type, name, emit",
+            ),
+            // A slip in one is told all the same.
+            (
+                r#""type": "metal", «"rougness": 1"#,
+                "/materials/0/rougness: unknown key \"rougness\"; did you mean \"roughness\"? allowed: type, name, albedo, emit",
             ),
         ],
     );
@@ -135,8 +149,91 @@ fn surfaces() {
             )],
         );
     }
-    expect_errors(r#"{"camera": {}, "surfaces": [«{"material": "m"}]}"#, &["/surfaces/0: \"type\" is missing"]);
+    expect_errors(
+        r#"{"camera": {}, "surfaces": [«{"material": {"type": "mirror"}}]}"#,
+        &["/surfaces/0: \"type\" is missing"],
+    );
     expect_errors(r#"{"camera": {}, "surfaces": [«{"type": "quad"}]}"#, &["/surfaces/0: \"material\" is missing"]);
+}
+
+/// What does not depend on the mistake is checked all the same: the rest as that type which was surely meant, or else
+/// what all types share.
+#[test]
+fn a_mistake_in_the_type_hides_no_other() {
+    const SURFACES: &str = "quad, sphere, disk, triangle, mesh, delta point";
+    const MATERIALS: &str = "lambertian, mirror, metal, dielectric, diffuse light, point light, spot light, null";
+    // What was meant is near: everything is checked.
+    expect_errors(
+        r#"{"camera": {}, "surfaces": [{"type": «"qaud", "size": [1, «0], «"sise": 1, "transform": «{"scale": 0},
+            "flip_normals": «1, "material": {"type": «"dieletric", "ior": «0, "transmittance": «2}}]}"#,
+        &[
+            &format!("/surfaces/0/type: unknown surface type \"qaud\"; did you mean \"quad\"? allowed: {SURFACES}"),
+            "/surfaces/0/size/1: 0 is out of range; allowed: above 0",
+            "/surfaces/0/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, flip_normals, size",
+            "/surfaces/0/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
+            "/surfaces/0/flip_normals: expected true or false, found the number 1",
+            &format!(
+                "/surfaces/0/material/type: unknown material type \"dieletric\"; did you mean \"dielectric\"? allowed: {MATERIALS}"
+            ),
+            "/surfaces/0/material/ior: 0 is out of range; allowed: 0.001 to 1000",
+            "/surfaces/0/material/transmittance: 2 is out of range; allowed: 0 to 1",
+        ],
+    );
+    // Nothing is near, or the type is missing or no string: what all share.
+    expect_errors(
+        r#"{"camera": {}, "materials": [
+            «{"type": «"velvet", "albedo": «2, «"fluff": 1}, ««{"albedo": 0, "emit": «-1}, {"type": «3, "name": «4}],
+           "surfaces": [«{"type": «"teapot", "flip_normals": «0}, «{"material": «"none", "transform": «1}],
+           "lights": [«{"type": «"sun", "position": «"up"}]}"#,
+        &[
+            "/materials/0: \"name\" is missing",
+            &format!("/materials/0/type: unknown material type \"velvet\"; allowed: {MATERIALS}"),
+            "/materials/0/albedo: 2 is out of range; allowed: 0 to 1",
+            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, ior, transmittance, inner_angle, outer_angle, falloff",
+            "/materials/1: \"type\" is missing",
+            "/materials/1: \"name\" is missing",
+            "/materials/1/emit: -1 is out of range; allowed: 0 to 3.4e38",
+            "/materials/2/type: expected a string, found the number 3",
+            "/materials/2/name: expected a string, found the number 4",
+            "/surfaces/0: \"material\" is missing",
+            &format!("/surfaces/0/type: unknown surface type \"teapot\"; allowed: {SURFACES}"),
+            "/surfaces/0/flip_normals: expected true or false, found the number 0",
+            "/surfaces/1: \"type\" is missing",
+            "/surfaces/1/material: no material is named \"none\"; there are no named materials",
+            "/surfaces/1/transform: expected an object or an array of objects, found the number 1",
+            "/lights/0: \"intensity\" is missing",
+            "/lights/0/type: unknown light type \"sun\"; allowed: point, spot",
+            "/lights/0/position: expected an array of 3 numbers, or one number for all, found the string \"up\"",
+        ],
+    );
+    // Of a type that is still to come only what every surface has is known.
+    expect_errors(
+        r#"{"camera": {"type": «"orthographic", "vfov": «0}, "surfaces": [
+            {"type": «"cube", "edge": 1, "transform": «{"scale": 0}, "material": «"none"}]}"#,
+        &[
+            "/camera/type: camera type \"orthographic\" is not supported yet; supported: perspective",
+            "/camera/vfov: 0 is out of range; allowed: between 0 and 180 degrees",
+            &format!("/surfaces/0/type: surface type \"cube\" is not supported yet; supported: {SURFACES}"),
+            "/surfaces/0/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
+            "/surfaces/0/material: no material is named \"none\"; there are no named materials",
+        ],
+    );
+    // Within one light, one background, one transform.
+    expect_errors(
+        r#"{"camera": {"transform": «{"from": «"here", "at": 0, "to": 0}}, "background": {"type": «"constnat", "color": «-1},
+            "lights": [{"type": "spot", "position": «"here", "at": «"there", "intensity": 1, "inner_angle": «30,
+                        "outer_angle": 20, "profile": «"square"}]}"#,
+        &[
+            "/camera/transform: \"at\" and \"to\" mean the same; give one of them",
+            "/camera/transform/from: expected an array of 3 numbers, or one number for all, found the string \"here\"",
+            "/background/type: unknown background type \"constnat\"; did you mean \"constant\"? allowed: constant",
+            "/background/color: -1 is out of range; allowed: 0 to 3.4e38",
+            "/lights/0/position: expected an array of 3 numbers, or one number for all, found the string \"here\"",
+            "/lights/0/at: expected an array of 3 numbers, or one number for all, found the string \"there\"",
+            "/lights/0/inner_angle: inner_angle 30 exceeds outer_angle 20; allowed: at most as large",
+            "/lights/0/profile: unknown spot profile \"square\"; allowed: cosine",
+        ],
+    );
 }
 
 #[test]

@@ -1,0 +1,164 @@
+//! The command line over the scene file: what is rendered in the end, and which options could not have been meant.
+//!
+//! An option that can do nothing is refused where the command line alone shows that its user expects something of it,
+//! and noted where another's decision (the scene file's) or the mathematics makes it idle.
+
+use super::Failure;
+use super::args::{RenderArgs, Size};
+use crate::integrator::{Integrator, Settings, Technique};
+use crate::scene::desc::{IntegratorKind, SceneDesc};
+
+/// Longest paths of a pyramid, in edges, where the command line names none.
+const PYRAMID_EDGES: u32 = 6;
+
+/// The command line overrides what the file says.
+pub fn override_desc(desc: &mut SceneDesc, args: &RenderArgs) {
+    if let Some(Size(size)) = args.size {
+        desc.camera.resolution = size;
+    }
+    if let Some(spp) = args.spp {
+        desc.samples = spp;
+    }
+    if let Some(seed) = args.seed {
+        desc.sampler.seed = seed;
+    }
+    if let Some(sampler) = args.sampler {
+        desc.sampler.kind = sampler.into();
+    }
+    if let Some(integrator) = args.integrator {
+        desc.integrator.kind = integrator.into();
+    }
+    if let Some(bounces) = args.max_bounces {
+        desc.integrator.max_bounces = bounces;
+    }
+    if let Some(heuristic) = args.heuristic {
+        desc.integrator.heuristic = heuristic.into();
+    }
+    if args.no_roulette {
+        desc.integrator.russian_roulette = false;
+    }
+}
+
+/// An integrator's name on the command line.
+pub fn name(integrator: Integrator) -> &'static str {
+    match integrator {
+        Integrator::Path => "path",
+        Integrator::Light => "light",
+        Integrator::Bdpt => "bdpt",
+    }
+}
+
+/// Longest paths of the pyramid, in edges, if one is asked for.
+pub fn pyramid_edges(args: &RenderArgs) -> Option<u32> {
+    args.pyramid.is_some().then(|| args.pyramid_edges.unwrap_or(PYRAMID_EDGES))
+}
+
+/// What to render by, from a description that the command line has overridden already.
+///
+/// # Errors
+/// Options that contradict each other, that the integrator has no use for, or that leave it nothing to do.
+pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure> {
+    let integrator = match desc.integrator.kind {
+        IntegratorKind::Auto | IntegratorKind::Bdpt => Integrator::Bdpt,
+        IntegratorKind::Path => Integrator::Path,
+        IntegratorKind::Light => Integrator::Light,
+    };
+    check_subpaths(integrator, args)?;
+    let light_paths = args.light_paths.unwrap_or(1);
+    let settings = Settings {
+        integrator,
+        max_bounces: desc.integrator.max_bounces,
+        roulette: desc.integrator.russian_roulette,
+        roulette_after: args.roulette_after,
+        heuristic: desc.integrator.heuristic,
+        light_paths,
+        connections: args.connections.unwrap_or(1).min(light_paths),
+        sampler: desc.sampler.kind,
+        seed: desc.sampler.seed,
+        weighted: !args.unweighted,
+        only: args.technique.map(|t| t.0),
+    };
+    match settings.only {
+        Some(t) => check_technique(t, &settings).map(|()| settings),
+        None => Ok(settings),
+    }
+}
+
+/// The numbers of light subpaths and of connections, against the integrator and each other.
+fn check_subpaths(integrator: Integrator, args: &RenderArgs) -> Result<(), Failure> {
+    let refuse = |why: String| Err(Failure::usage(why));
+    match (integrator, args.light_paths, args.connections) {
+        (Integrator::Path, Some(n), _) => {
+            refuse(format!("--light-paths {n}: the path integrator traces no light subpaths; use --integrator bdpt"))
+        }
+        (Integrator::Path | Integrator::Light, _, Some(n)) => {
+            let name = name(integrator);
+            refuse(format!("--connections {n}: the {name} integrator connects no subpaths; use --integrator bdpt"))
+        }
+        (Integrator::Light, Some(0), _) => {
+            refuse("--light-paths 0 leaves the light tracer nothing to do: give at least 1".to_owned())
+        }
+        (Integrator::Bdpt, Some(paths), Some(n)) if n > paths => refuse(format!(
+            "--connections {n} is more than --light-paths {paths}: a camera vertex connects to each light subpath once \
+             at most; give --light-paths {n} or more"
+        )),
+        (Integrator::Bdpt, None, Some(n)) if n > 1 => refuse(format!(
+            "--connections {n} is more than the one light subpath of each sample; give --light-paths {n} or more"
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// A technique that the settings leave no path to would give a black image without a word.
+fn check_technique(t: Technique, settings: &Settings) -> Result<(), Failure> {
+    let impossible = |why: String| Err(Failure::usage(format!("--technique {},{}: {why}", t.s, t.t)));
+    let makes = match settings.integrator {
+        Integrator::Path => t.s <= 1 && t.t >= 2,
+        Integrator::Light => t.t == 1,
+        Integrator::Bdpt => true,
+    };
+    if !makes {
+        let integrator = name(settings.integrator);
+        return impossible(format!("the {integrator} integrator has no such technique; use bdpt"));
+    }
+    // A path of s + t vertices scatters at all but its two ends.
+    let events = u64::from(t.s) + u64::from(t.t) - 2;
+    let max_bounces = settings.max_bounces;
+    if events > u64::from(max_bounces) {
+        return impossible(format!(
+            "its paths scatter {events} times and max_bounces is {max_bounces}; give --max-bounces {events} or more"
+        ));
+    }
+    if settings.light_paths == 0 && (t.t == 1 || t.s >= 2) {
+        return impossible("it takes light subpaths; give --light-paths 1 or more".into());
+    }
+    if settings.connections == 0 && t.s >= 2 && t.t >= 2 {
+        return impossible("it takes connections; give --connections 1 or more".into());
+    }
+    Ok(())
+}
+
+/// Options that were given and change nothing, though nobody need be mistaken.
+pub fn idle_options(settings: &Settings, args: &RenderArgs) -> Vec<String> {
+    let mut notes = Vec::new();
+    if settings.integrator == Integrator::Light {
+        let why = "the light integrator has one technique for each path, whose weight is 1";
+        for (given, option) in [(args.heuristic.is_some(), "--heuristic"), (args.unweighted, "--unweighted")] {
+            if given {
+                notes.push(format!("{option} changes nothing: {why}"));
+            }
+        }
+    }
+    if args.roulette_after.is_some() && !settings.roulette {
+        notes.push("--roulette-after changes nothing: the scene turns roulette off".to_owned());
+    }
+    // A path of n edges scatters n − 1 times.
+    let longest = settings.max_bounces.saturating_add(1);
+    if let Some(edges) = args.pyramid_edges.filter(|edges| *edges > longest) {
+        notes.push(format!(
+            "--pyramid-edges {edges} is more than paths can have: max_bounces {} ends them at {longest}",
+            settings.max_bounces
+        ));
+    }
+    notes
+}

@@ -1,0 +1,264 @@
+//! What users get wrong on the command line, and what they are told: the last table behind `docs/ERRORS.md`.
+
+/// A command line, after `twinlight render`, with a mistake in it.
+pub struct Arguments {
+    /// In words.
+    pub what: &'static str,
+    /// The arguments, separated by spaces.
+    pub arguments: &'static str,
+    /// The exit status.
+    pub status: i32,
+    /// The first paragraph of what is said.
+    pub message: &'static str,
+}
+
+/// What is wrong with the command line itself. `scene.json` is right.
+pub const ARGUMENTS: [Arguments; 39] = [
+    Arguments {
+        what: "A scene that is not there",
+        arguments: "none.json",
+        status: 1,
+        message: "twinlight: none.json: cannot read the scene file: No such file or directory (os error 2)",
+    },
+    Arguments {
+        what: "A folder for a scene",
+        arguments: "folder.exr",
+        status: 1,
+        message: "twinlight: folder.exr: cannot read the scene file: this is a folder; give the scene file inside (no .json \
+                  file is there)",
+    },
+    Arguments {
+        what: "The folder of the scene",
+        arguments: ".",
+        status: 1,
+        message: "twinlight: .: cannot read the scene file: this is a folder; give the scene file inside (found: old.json, \
+                  scene.json)",
+    },
+    Arguments {
+        what: "An image for a scene",
+        arguments: "image.png",
+        status: 65,
+        message: "twinlight: image.png: this is an image (PNG), not a scene; did you mean `twinlight compare` or `twinlight \
+                  convert`?",
+    },
+    Arguments {
+        what: "Anything else for a scene",
+        arguments: "binary",
+        status: 65,
+        message: "twinlight: binary: this is a binary file, not a scene; a scene is JSON text",
+    },
+    Arguments {
+        what: "No scene",
+        arguments: "--spp 4",
+        status: 2,
+        message: "error: the following required arguments were not provided:\n  <SCENE>",
+    },
+    Arguments {
+        what: "An unknown option",
+        arguments: "scene.json --sp 4",
+        status: 2,
+        message: "error: unexpected argument '--sp' found",
+    },
+    Arguments {
+        what: "No samples",
+        arguments: "scene.json --spp 0",
+        status: 2,
+        message: "error: invalid value '0' for '--spp <N>': 0 is not in 1..=4294967295",
+    },
+    Arguments {
+        what: "A size of zero",
+        arguments: "scene.json --size 0x64",
+        status: 2,
+        message: "error: invalid value '0x64' for '--size <WxH>': each side must be 1 to 65536 pixels, the area at most \
+                  268435456",
+    },
+    Arguments {
+        what: "An absurd size",
+        arguments: "scene.json --size 65536x65536",
+        status: 2,
+        message: "error: invalid value '65536x65536' for '--size <WxH>': each side must be 1 to 65536 pixels, the area \
+                  at most 268435456",
+    },
+    Arguments {
+        what: "Half a size",
+        arguments: "scene.json --size 64",
+        status: 2,
+        message: "error: invalid value '64' for '--size <WxH>': write it as 640x480",
+    },
+    Arguments {
+        what: "An empty crop",
+        arguments: "scene.json --crop 4,4,4,8",
+        status: 2,
+        message: "error: invalid value '4,4,4,8' for '--crop <x0,y0,x1,y1>': no pixel lies in columns 4..4 and rows 4..8: \
+                  the ends are exclusive and must come after the starts",
+    },
+    Arguments {
+        what: "A crop outside the image",
+        arguments: "scene.json --crop 0,0,9,8",
+        status: 2,
+        message: "twinlight: --crop 0,0,9,8 reaches outside the image: it is 8 × 8 pixels, the ends of a crop are exclusive",
+    },
+    Arguments {
+        what: "A crop of three numbers",
+        arguments: "scene.json --crop 0,0,8",
+        status: 2,
+        message: "error: invalid value '0,0,8' for '--crop <x0,y0,x1,y1>': write it as x0,y0,x1,y1 in pixels, for \
+                  example 0,0,64,64",
+    },
+    Arguments {
+        what: "No threads",
+        arguments: "scene.json --threads 0",
+        status: 2,
+        message: "error: invalid value '0' for '--threads <N>': 0 is not in 1..=4096",
+    },
+    Arguments {
+        what: "A negative seed",
+        arguments: "scene.json --seed=-1",
+        status: 2,
+        message: "error: invalid value '-1' for '--seed <N>': write it as a whole number from 0 to 18446744073709551615",
+    },
+    Arguments {
+        what: "An unknown integrator",
+        arguments: "scene.json --integrator bpdt",
+        status: 2,
+        message: "error: invalid value 'bpdt' for '--integrator <X>'\n  [possible values: auto, bdpt, path, light]",
+    },
+    Arguments {
+        what: "An exposure that is no number",
+        arguments: "scene.json --exposure nan",
+        status: 2,
+        message: "error: invalid value 'nan' for '--exposure <STOPS>': write it as a number of stops from -100 to 100, \
+                  for example 1.5",
+    },
+    Arguments {
+        what: "An exposure and no PNG",
+        arguments: "scene.json --exposure 0",
+        status: 2,
+        message: "twinlight: --exposure 0 brightens PNG files, and none is written: an EXR stays linear; add -o NAME.png",
+    },
+    Arguments {
+        what: "Light subpaths for a path tracer",
+        arguments: "scene.json --integrator path --light-paths 1",
+        status: 2,
+        message: "twinlight: --light-paths 1: the path integrator traces no light subpaths; use --integrator bdpt",
+    },
+    Arguments {
+        what: "Connections for a path tracer",
+        arguments: "scene.json --integrator path --connections 1",
+        status: 2,
+        message: "twinlight: --connections 1: the path integrator connects no subpaths; use --integrator bdpt",
+    },
+    Arguments {
+        what: "Connections for a light tracer",
+        arguments: "scene.json --integrator light --light-paths 2 --connections 1",
+        status: 2,
+        message: "twinlight: --connections 1: the light integrator connects no subpaths; use --integrator bdpt",
+    },
+    Arguments {
+        what: "More connections than light subpaths",
+        arguments: "scene.json --light-paths 2 --connections 3",
+        status: 2,
+        message: "twinlight: --connections 3 is more than --light-paths 2: a camera vertex connects to each light subpath \
+                  once at most; give --light-paths 3 or more",
+    },
+    Arguments {
+        what: "More connections than the one light subpath there is by default",
+        arguments: "scene.json --connections 2",
+        status: 2,
+        message: "twinlight: --connections 2 is more than the one light subpath of each sample; give --light-paths 2 or more",
+    },
+    Arguments {
+        what: "A heuristic and no weights",
+        arguments: "scene.json --technique 1,2 --unweighted --heuristic power",
+        status: 2,
+        message: "error: the argument '--unweighted' cannot be used with '--heuristic <X>'",
+    },
+    Arguments {
+        what: "A light tracer without light subpaths",
+        arguments: "scene.json --integrator light --light-paths 0",
+        status: 2,
+        message: "twinlight: --light-paths 0 leaves the light tracer nothing to do: give at least 1",
+    },
+    Arguments {
+        what: "A technique that the integrator has not",
+        arguments: "scene.json --integrator path --technique 2,2",
+        status: 2,
+        message: "twinlight: --technique 2,2: the path integrator has no such technique; use bdpt",
+    },
+    Arguments {
+        what: "A technique of too long paths",
+        arguments: "scene.json --technique 3,3 --max-bounces 2",
+        status: 2,
+        message: "twinlight: --technique 3,3: its paths scatter 4 times and max_bounces is 2; give --max-bounces 4 or more",
+    },
+    Arguments {
+        what: "An output of no known format",
+        arguments: "scene.json -o image.jpg",
+        status: 2,
+        message: "twinlight: cannot write `image.jpg`: the extension `.jpg` names no known format; use `.exr` (linear) or \
+                  `.png` (sRGB)",
+    },
+    Arguments {
+        what: "An output in no folder",
+        arguments: "scene.json -o none/image.exr",
+        status: 2,
+        message: "twinlight: cannot write `none/image.exr`: the folder `none` cannot be entered (No such file or \
+                  directory (os error 2)); create it first",
+    },
+    Arguments {
+        what: "An output in a file's place",
+        arguments: "scene.json -o old.exr/image.exr",
+        status: 2,
+        message: "twinlight: cannot write `old.exr/image.exr`: `old.exr` is not a folder; choose another place",
+    },
+    Arguments {
+        what: "An output in a folder's place",
+        arguments: "scene.json -o folder.exr",
+        status: 2,
+        message: "twinlight: cannot write `folder.exr`: it is a folder; give a file's name inside it",
+    },
+    Arguments {
+        what: "The scene as an output",
+        arguments: "scene.json --stats ./scene.json",
+        status: 2,
+        message: "twinlight: ./scene.json: this is the scene itself; choose another name",
+    },
+    Arguments {
+        what: "Two outputs of one name",
+        arguments: "scene.json -o image.exr --stats ./image.exr",
+        status: 2,
+        message: "twinlight: ./image.exr: two outputs would be written to this file; choose another name",
+    },
+    Arguments {
+        what: "Statistics in no folder",
+        arguments: "scene.json --stats none/stats.json",
+        status: 2,
+        message: "twinlight: cannot write `none/stats.json`: the folder `none` cannot be entered (No such file or \
+                  directory (os error 2)); create it first",
+    },
+    Arguments {
+        what: "A pyramid's size and no pyramid",
+        arguments: "scene.json --pyramid-edges 6",
+        status: 2,
+        message: "error: the following required arguments were not provided:\n  --pyramid <DIR>",
+    },
+    Arguments {
+        what: "A pyramid in no folder",
+        arguments: "scene.json --pyramid none/pyramid",
+        status: 2,
+        message: "twinlight: --pyramid: cannot write `none/pyramid`: the folder `none` cannot be entered (No such file or \
+                  directory (os error 2)); create it first",
+    },
+    Arguments {
+        what: "An output that the pyramid would overwrite",
+        arguments: "scene.json --pyramid . -o s1_t2.exr",
+        status: 2,
+        message: "twinlight: s1_t2.exr: the pyramid writes a file of this name there; choose another name or folder",
+    },
+    Arguments {
+        what: "A pyramid in a file's place",
+        arguments: "scene.json --pyramid old.exr",
+        status: 2,
+        message: "twinlight: --pyramid: cannot write `old.exr/s0_t2.exr`: `old.exr` is not a folder; choose another place",
+    },
+];
