@@ -8,6 +8,8 @@ mod bits;
 mod integrators;
 #[path = "unbiased/settings.rs"]
 mod settings;
+#[path = "unbiased/sphere.rs"]
+mod sphere;
 #[path = "unbiased/techniques.rs"]
 mod techniques;
 #[path = "unbiased/windows.rs"]

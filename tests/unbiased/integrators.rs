@@ -10,8 +10,8 @@ use twinlight::integrator::{Integrator, Settings};
 use twinlight::math::DVec3;
 
 use crate::common::{
-    Bounds, Budget, Random, View, assert_same, diffuse, facing, images_by_edges, matrix, pooled_ratio, quad, scene,
-    scene_json, settings, shining, shining_diffuse, sphere,
+    Bounds, Budget, Random, View, assert_same, combined, diffuse, facing, images_by_edges, matrix, pooled_ratio, quad,
+    scene, scene_json, settings, shining, shining_diffuse, sphere,
 };
 
 /// The lights that random scenes have, one kind each.
@@ -32,22 +32,22 @@ fn color(random: &mut Random, low: f64, high: f64) -> Vec<f64> {
     (0..3).map(|_| random.between(low, high)).collect()
 }
 
-/// Lights below the ceiling of the room, facing down more or less.
-fn light(kind: Kind, random: &mut Random, surfaces: &mut Vec<Value>, lights: &mut Vec<Value>) {
+/// Lights below the ceiling of the room, facing down more or less; area lights `size` times their usual size.
+fn light(kind: Kind, size: f64, random: &mut Random, surfaces: &mut Vec<Value>, lights: &mut Vec<Value>) {
     let p = DVec3::new(random.between(-0.5, 0.5), random.between(0.5, 0.75), random.between(-0.4, 0.4));
     let down = (random.direction() * 0.5 - DVec3::Y).normalize();
     let frame = facing(p, down);
     match kind {
-        Kind::Quad => surfaces.push(quad(&frame, [0.5, 0.3], shining(color(random, 5.0, 10.0)))),
+        Kind::Quad => surfaces.push(quad(&frame, [0.5 * size, 0.3 * size], shining(color(random, 5.0, 10.0)))),
         // These reflect as well.
-        Kind::Sphere => surfaces.push(sphere(p, 0.15, false, shining_diffuse(color(random, 4.0, 8.0), 0.5))),
+        Kind::Sphere => surfaces.push(sphere(p, 0.15 * size, false, shining_diffuse(color(random, 4.0, 8.0), 0.5))),
         Kind::Disk => surfaces.push(json!({
-            "type": "disk", "radius": 0.25, "transform": matrix(&frame),
+            "type": "disk", "radius": 0.25 * size, "transform": matrix(&frame),
             "material": shining_diffuse(color(random, 5.0, 10.0), 0.3)
         })),
         Kind::Mesh => {
             // A pyramid without a base: its faces see different parts of the room.
-            let corner = |x: f64, y: f64, z: f64| frame.transform_point3(DVec3::new(x, y, z)).to_array();
+            let corner = |x: f64, y: f64, z: f64| frame.transform_point3(size * DVec3::new(x, y, z)).to_array();
             surfaces.push(json!({
                 "type": "mesh", "material": shining(color(random, 5.0, 10.0)),
                 "positions": [corner(0.0, 0.0, 0.15), corner(0.25, 0.2, 0.0), corner(-0.2, 0.2, 0.0), corner(-0.2, -0.25, 0.0),
@@ -65,19 +65,19 @@ fn light(kind: Kind, random: &mut Random, surfaces: &mut Vec<Value>, lights: &mu
         })),
         Kind::Several => {
             for kind in [Kind::Quad, Kind::Point, Kind::Sphere, Kind::Spot] {
-                light(kind, random, surfaces, lights);
+                light(kind, size, random, surfaces, lights);
             }
         }
     }
 }
 
 /// A room of random size and colours in a random pose, things in it, lights of one kind. With `specular`, a glass ball
-/// and a mirror stand about as well.
+/// and a mirror stand about as well, under larger lights: the path tracer finds caustics by hitting them.
 fn random_scene(kind: Kind, seed: u64, specular: bool) -> Value {
     let mut random = Random(seed);
     let mut surfaces = Vec::new();
     let mut lights = Vec::new();
-    light(kind, &mut random, &mut surfaces, &mut lights);
+    light(kind, if specular { 1.6 } else { 1.0 }, &mut random, &mut surfaces, &mut lights);
     let half = DVec3::new(random.between(0.9, 1.2), 1.0, random.between(0.9, 1.2));
     for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
         for side in [1.0, -1.0] {
@@ -129,18 +129,28 @@ fn random_scene(kind: Kind, seed: u64, specular: bool) -> Value {
 
 const EDGES: u32 = 4;
 
-/// Compares two integrators over scenes, length by length; then all scenes of a length at once.
+/// What is demanded of the common bias of all scenes at once.
+#[derive(Clone, Copy)]
+struct Pooled {
+    /// Of the paths of each length by themselves.
+    length: f64,
+    /// Of all lengths together.
+    whole: f64,
+}
+
+/// Compares two integrators over scenes, length by length; then all scenes at once.
 fn agree(
     what: &str,
     scenes: &[(Kind, Value)],
     integrators: [Integrator; 2],
     samples: [u32; 2],
     bounds: Bounds,
-    pooled: f64,
+    pooled: Pooled,
     seed: u64,
 ) {
     let limits = |integrator| Settings { ..settings(integrator, EDGES - 1) };
     let mut pairs: Vec<Vec<(Vec<Image>, Vec<Image>)>> = vec![Vec::new(); EDGES as usize];
+    let mut whole = Vec::new();
     for (n, (kind, json)) in scenes.iter().enumerate() {
         let scene = scene(json);
         let delta = matches!(kind, Kind::Point | Kind::Spot);
@@ -148,6 +158,13 @@ fn agree(
             let budget = Budget::new(samples[i], seed + 2 * n as u64 + i as u64);
             images_by_edges(&scene, limits(integrators[i]), budget, EDGES)
         });
+        let sum = |of: &[Vec<Image>]| -> Vec<Image> {
+            let longer = |sum: Vec<Image>, images: &Vec<Image>| -> Vec<Image> {
+                sum.iter().zip(images).map(|(a, b)| combined(a, b, 1.0)).collect()
+            };
+            of[1..].iter().fold(of[0].clone(), longer)
+        };
+        whole.push((sum(&a), sum(&b)));
         for (k, (a, b)) in a.into_iter().zip(b).enumerate() {
             // The light itself, seen or not seen, is one edge: a delta light is never seen, another may be out of view.
             if b.iter().all(|image| image.mean() == [0.0; 3]) {
@@ -161,12 +178,20 @@ fn agree(
             pairs[k].push((a, b));
         }
     }
+    let judge = |label: &str, pairs: &[(Vec<Image>, Vec<Image>)], bound: f64| {
+        let label = format!("{what}, {} scenes, {label}", pairs.len());
+        let bias = pooled_ratio(pairs);
+        let interval = bias.confidence_interval(0.99);
+        eprintln!("{label}: common bias in {interval:?}");
+        // The level at which single tests are judged, too.
+        let evidence = bias.confidence_interval(1.0 - 1e-4);
+        assert!(evidence.contains(0.0), "{label}: a common bias in {evidence:?}");
+        assert!(interval.within(bound), "{label}: {interval:?} is not proven inside ±{bound}");
+    };
     for (k, pairs) in pairs.iter().enumerate().filter(|(_, pairs)| pairs.len() > 1) {
-        let interval = pooled_ratio(pairs).confidence_interval(0.99);
-        eprintln!("{what}, {} scenes, {} edges: common bias in {interval:?}", pairs.len(), k + 1);
-        assert!(interval.contains(0.0) || interval.within(0.1 * pooled), "{what}, {} edges: {interval:?}", k + 1);
-        assert!(interval.within(pooled), "{what}, {} edges: {interval:?} is not proven inside ±{pooled}", k + 1);
+        judge(&format!("{} edges", k + 1), pairs, pooled.length);
     }
+    judge("all lengths", &whole, pooled.whole);
 }
 
 fn scenes(count: usize, seed: u64, specular: bool) -> Vec<(Kind, Value)> {
@@ -190,28 +215,33 @@ fn fast() -> Bounds {
 #[test]
 fn diffuse_scenes_by_path_and_bdpt() {
     let scenes = scenes(7, 7000, false);
-    agree("path = bdpt", &scenes, [Integrator::Path, Integrator::Bdpt], [1 << 11, 1 << 10], fast(), 0.02, 700);
+    let pooled = Pooled { length: 0.02, whole: 0.005 };
+    agree("path = bdpt", &scenes, [Integrator::Path, Integrator::Bdpt], [1 << 11, 1 << 10], fast(), pooled, 700);
 }
 
 #[test]
 fn diffuse_scenes_by_light_and_path() {
     let scenes = scenes(7, 7100, false);
-    agree("light = path", &scenes, [Integrator::Light, Integrator::Path], [1 << 13, 1 << 11], fast(), 0.015, 730);
+    let pooled = Pooled { length: 0.015, whole: 0.005 };
+    agree("light = path", &scenes, [Integrator::Light, Integrator::Path], [1 << 13, 1 << 11], fast(), pooled, 730);
 }
 
 #[test]
 fn glass_and_mirrors_by_path_and_bdpt() {
     let scenes = scenes(4, 7200, true);
+    let pooled = Pooled { length: 0.02, whole: 0.005 };
     agree(
         "specular, path = bdpt",
         &scenes,
         [Integrator::Path, Integrator::Bdpt],
-        [1 << 12, 1 << 11],
+        [1 << 13, 1 << 12],
         fast(),
-        0.04,
+        pooled,
         760,
     );
 }
+
+const DEEP: Pooled = Pooled { length: 0.005, whole: 0.003 };
 
 /// Closely for each scene by itself, and for the common bias of all.
 fn deep() -> Bounds {
@@ -222,14 +252,14 @@ fn deep() -> Bounds {
 #[ignore = "deep"]
 fn many_diffuse_scenes_by_path_and_bdpt() {
     let scenes = scenes(14, 8000, false);
-    agree("path = bdpt", &scenes, [Integrator::Path, Integrator::Bdpt], [1 << 16, 1 << 15], deep(), 0.003, 800);
+    agree("path = bdpt", &scenes, [Integrator::Path, Integrator::Bdpt], [1 << 16, 1 << 15], deep(), DEEP, 800);
 }
 
 #[test]
 #[ignore = "deep"]
 fn many_diffuse_scenes_by_light_and_bdpt() {
     let scenes = scenes(14, 8100, false);
-    agree("light = bdpt", &scenes, [Integrator::Light, Integrator::Bdpt], [1 << 17, 1 << 14], deep(), 0.003, 1000);
+    agree("light = bdpt", &scenes, [Integrator::Light, Integrator::Bdpt], [1 << 17, 1 << 14], deep(), DEEP, 1000);
 }
 
 /// The path tracer finds caustics by chance: with them every comparison is noisier.
@@ -238,5 +268,5 @@ fn many_diffuse_scenes_by_light_and_bdpt() {
 fn many_scenes_with_glass_and_mirrors() {
     let (scenes, bounds) = (scenes(8, 8200, true), Bounds::new([2, 2], 0.6, 0.12));
     let both = [Integrator::Path, Integrator::Bdpt];
-    agree("specular, path = bdpt", &scenes, both, [1 << 16, 1 << 15], bounds, 0.015, 1200);
+    agree("specular, path = bdpt", &scenes, both, [1 << 16, 1 << 15], bounds, DEEP, 1200);
 }

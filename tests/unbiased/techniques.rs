@@ -10,7 +10,7 @@ use crate::common::{Bounds, Budget, SceneOnDefault, assert_same, images_by_edges
 use crate::gap_box;
 
 /// Independent images per technique of the unweighted bidirectional integrator.
-fn unweighted(scene: &SceneOnDefault, budget: Budget, edges: u32) -> BTreeMap<Technique, Vec<Image>> {
+pub fn unweighted(scene: &SceneOnDefault, budget: Budget, edges: u32) -> BTreeMap<Technique, Vec<Image>> {
     let mut all: BTreeMap<Technique, Vec<Image>> = BTreeMap::new();
     let base = Settings { weighted: false, roulette: false, ..settings(Integrator::Bdpt, edges - 1) };
     for run in 0..u64::from(budget.runs) {
