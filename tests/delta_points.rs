@@ -17,7 +17,7 @@ use twinlight::math::{DVec3, Ray, Vec3};
 use twinlight::render::RenderJob;
 use twinlight::scene::Scene;
 
-const WITH: AccelOptions = AccelOptions { delta_points: true };
+const WITH: AccelOptions = AccelOptions { delta_points: true, threads: 0 };
 
 /// SplitMix64 (Steele et al. 2014): enough for test cases, and the same on every machine.
 struct Random(u64);
@@ -108,12 +108,6 @@ fn by_trying_each(points: &[DeltaPoint], ray: &Ray) -> Option<f32> {
     points.iter().filter_map(|p| p.intersect(ray)).min_by(f32::total_cmp)
 }
 
-/// The same among the points that lie between the segment's ends, not within ε beyond them: those the accelerators may
-/// see or not, as their boxes fall.
-fn between_the_ends(points: &[DeltaPoint], ray: &Ray) -> Option<f32> {
-    points.iter().filter_map(|p| p.intersect(ray)).filter(|t| ray.tmin < *t && *t < ray.tmax).min_by(f32::total_cmp)
-}
-
 /// Demands that a ray meets the delta point it is aimed at, or one that lies before it.
 fn found<A: Accel>(scene: &Scene<A>, ray: &Ray, aimed: usize, scene_is: &dyn std::fmt::Debug) {
     let points = &scene.geometry.delta_points;
@@ -121,7 +115,7 @@ fn found<A: Accel>(scene: &Scene<A>, ray: &Ray, aimed: usize, scene_is: &dyn std
     let Some(hit) = hit else {
         panic!("{} misses {:?} aimed at by {ray:?} in {scene_is:?}", A::NAME, points[aimed]);
     };
-    let nearest = between_the_ends(points, ray).unwrap_or(hit.t);
+    let nearest = by_trying_each(points, ray).unwrap_or(hit.t);
     let own = points[hit.point as usize].intersect(ray).expect("what is reported is met");
     // Points that crowd within their own ε have no order along the ray.
     let slack = f64::from(points[aimed].epsilon) / ray.d.as_dvec3().length();

@@ -86,8 +86,8 @@ fn the_same_seed_repeats_and_another_does_not() {
 #[test]
 fn the_delta_points_own_index_changes_nothing() {
     let json = everything();
-    let without: Scene<DefaultAccel> = scene_on(&json, AccelOptions { delta_points: false });
-    let with: Scene<DefaultAccel> = scene_on(&json, AccelOptions { delta_points: true });
+    let without: Scene<DefaultAccel> = scene_on(&json, AccelOptions { delta_points: false, ..AccelOptions::default() });
+    let with: Scene<DefaultAccel> = scene_on(&json, AccelOptions { delta_points: true, ..AccelOptions::default() });
     // The index is there: a ray aimed at a light finds it in the one scene and not in the other.
     use twinlight::accel::Accel;
     use twinlight::math::Ray;

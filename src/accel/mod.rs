@@ -15,6 +15,8 @@ use crate::math::Ray;
 pub struct AccelOptions {
     /// Build the delta points' own index, for `intersect_delta`. Transport queries never see it.
     pub delta_points: bool,
+    /// Threads to build with, where the backend builds with several; 0 for one per logical processor.
+    pub threads: u32,
 }
 
 /// A delta point met by a query that asked for one.

@@ -51,7 +51,7 @@ pub struct RenderArgs {
     /// What answers rays
     #[arg(long, value_name = "X", default_value = AccelArg::DEFAULT)]
     pub accel: AccelArg,
-    /// Rendering threads (Embree builds with its own) [default: one per logical processor]
+    /// Threads to build and to render with [default: one per logical processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
     /// Seed of everything random [default: the scene's]

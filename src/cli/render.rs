@@ -179,7 +179,8 @@ struct Run<'a> {
 impl Run<'_> {
     fn with<A: Accel>(&self, prepared: Prepared, mut phases: stats::Phases, start: Instant) -> Result<(), Failure> {
         let args = self.args;
-        let scene: Scene<A> = Scene::build(prepared, AccelOptions::default()).map_err(Failure::other)?;
+        let options = AccelOptions { threads: args.threads.unwrap_or(0), ..AccelOptions::default() };
+        let scene: Scene<A> = Scene::build(prepared, options).map_err(Failure::other)?;
         phases.build = start.elapsed();
 
         let start = Instant::now();

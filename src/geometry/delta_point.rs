@@ -10,12 +10,12 @@ use crate::math::{Ray, Vec3, next_down, next_up};
 pub struct DeltaPoint {
     /// Position, render space.
     pub position: Vec3,
-    /// Half the side of its bounding box: covers the position's rounding and the rounding of the direction of a
+    /// How far from it a ray may pass, along each axis: covers the position's rounding and the rounding of the direction of a
     /// ray aimed at it from as far as `reach`.
     pub epsilon: f32,
 }
 
-/// How many units in the last place of its position and of the aiming ray's reach the box spans to each side. A
+/// How many units in the last place of its position and of the aiming ray's reach ε is. A
 /// direction normalised in f32 is off by up to about 2 ulps per axis, `p − o` by half an ulp of each operand.
 const ULPS: f32 = 8.0;
 
@@ -26,9 +26,10 @@ impl DeltaPoint {
         Self { position, epsilon: (ULPS * f32::EPSILON * scale).max(f32::MIN_POSITIVE) }
     }
 
-    /// Lower and upper corner of the box of ±ε.
+    /// Lower and upper corner of the box of all points of rays that `intersect` accepts: a segment may end up to ε short
+    /// of its closest approach, which itself lies within ±ε.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        let e = Vec3::splat(self.epsilon);
+        let e = Vec3::splat(2.0 * self.epsilon);
         // One further ulp outwards: `p ± ε` is itself rounded.
         let (lo, hi) = (self.position - e, self.position + e);
         (
@@ -55,6 +56,6 @@ impl DeltaPoint {
             return None;
         }
         let miss = to_point - d * t;
-        (miss.abs().max_element() <= epsilon).then(|| (t as f32).clamp(ray.tmin, ray.tmax))
+        (miss.abs().max_element() <= epsilon).then(|| (t as f32).max(ray.tmin).min(ray.tmax))
     }
 }

@@ -9,7 +9,7 @@ pub struct Ray {
     pub o: Vec3,
     /// Direction, of any non-zero length.
     pub d: Vec3,
-    /// Start of the segment, in lengths of `d`.
+    /// Start of the segment, in lengths of `d`; below zero counts as zero.
     pub tmin: f32,
     /// End of the segment, in lengths of `d`; infinity for a half-line.
     pub tmax: f32,

@@ -105,13 +105,8 @@ impl Accel for BvhAccel {
             Tree::build("quadrics", geometry.quadrics.len(), 1, |i| of_pair(geometry.quadrics[i as usize].bounds()))?;
 
         let delta_count = if options.delta_points { geometry.delta_points.len() } else { 0 };
-        let (delta_points, _) = Tree::build("delta points", delta_count, 1, |i| {
-            let point = &geometry.delta_points[i as usize];
-            let (min, max) = point.bounds();
-            // A segment may end up to ε short of the point of closest approach, which itself lies within ±ε.
-            let slack = Vec3::splat(point.epsilon);
-            of_pair((min - slack, max + slack))
-        })?;
+        let (delta_points, _) =
+            Tree::build("delta points", delta_count, 1, |i| of_pair(geometry.delta_points[i as usize].bounds()))?;
         Ok(Self { geometry, triangles, blocks, quadrics, delta_points })
     }
 

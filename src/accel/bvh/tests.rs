@@ -43,7 +43,8 @@ fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
 }
 
 fn build(geometry: Geometry) -> BvhAccel {
-    BvhAccel::build(Arc::new(geometry), AccelOptions { delta_points: true }).expect("small scenes build")
+    BvhAccel::build(Arc::new(geometry), AccelOptions { delta_points: true, ..AccelOptions::default() })
+        .expect("small scenes build")
 }
 
 /// The cube [−1,1]³ under a map.
@@ -350,7 +351,8 @@ fn delta_points_are_told_apart_and_built_only_when_asked_for() {
     let mut random = Random(6);
     let delta_points: Vec<_> = (0..200).map(|_| DeltaPoint::new(random.in_cube(), 4.0)).collect();
     let geometry = Arc::new(Geometry { delta_points, ..Geometry::default() });
-    let with = BvhAccel::build(Arc::clone(&geometry), AccelOptions { delta_points: true }).expect("builds");
+    let with = BvhAccel::build(Arc::clone(&geometry), AccelOptions { delta_points: true, ..AccelOptions::default() })
+        .expect("builds");
     let without = BvhAccel::build(Arc::clone(&geometry), AccelOptions::default()).expect("builds");
     for (i, point) in geometry.delta_points.iter().enumerate() {
         for _ in 0..50 {

@@ -1,6 +1,6 @@
 //! The Embree device: errors, properties, instruction set.
 
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr;
 use std::sync::{Mutex, PoisonError};
 
@@ -70,14 +70,16 @@ fn failure(doing: &str, code: sys::RTCError, said: &str) -> AccelError {
 }
 
 impl Device {
-    /// A device with Embree's default configuration.
+    /// A device whose scenes are built by so many threads, 0 for one per logical processor; queries run on the threads
+    /// that ask.
     ///
     /// # Errors
     /// When Embree does not run on this processor, or the library loaded is older than the headers the bindings were
     /// made from.
-    pub(super) fn new() -> Result<Self, AccelError> {
-        // SAFETY: a null configuration is allowed.
-        let handle = unsafe { sys::rtcNewDevice(ptr::null()) };
+    pub(super) fn new(threads: u32) -> Result<Self, AccelError> {
+        let configuration = CString::new(format!("threads={threads}")).unwrap_or_default();
+        // SAFETY: the configuration is NUL-terminated; Embree keeps no pointer to it.
+        let handle = unsafe { sys::rtcNewDevice(configuration.as_ptr()) };
         if handle.is_null() {
             // SAFETY: without a device both report on the thread's failed attempt to make one.
             let (code, said) = unsafe {

@@ -78,7 +78,7 @@ impl Accel for EmbreeAccel {
     const NAME: &'static str = "embree";
 
     fn build(geometry: Arc<Geometry>, options: AccelOptions) -> Result<Self, AccelError> {
-        let device = Arc::new(Device::new()?);
+        let device = Arc::new(Device::new(options.threads)?);
         let mut transport = SceneBuilder::new(&device)?;
         // Each kind of geometry is one more tree that every ray goes through: none is attached empty.
         if !geometry.triangles.is_empty() {

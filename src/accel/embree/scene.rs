@@ -225,6 +225,13 @@ unsafe impl Send for Scene {}
 // SAFETY: as above.
 unsafe impl Sync for Scene {}
 
+/// Where a segment starts: Embree leaves negative parameters undefined; as with the other backend they count as 0. A
+/// NaN stays one: nothing is met.
+#[inline]
+fn from_zero(tmin: f32) -> f32 {
+    if tmin < 0.0 { 0.0 } else { tmin }
+}
+
 /// Whether a ray can meet anything at all: Embree leaves queries with other rays undefined.
 #[inline]
 fn is_sound(ray: &Ray) -> bool {
@@ -238,7 +245,7 @@ impl Scene {
             org_x: ray.o.x,
             org_y: ray.o.y,
             org_z: ray.o.z,
-            tnear: ray.tmin,
+            tnear: from_zero(ray.tmin),
             dir_x: ray.d.x,
             dir_y: ray.d.y,
             dir_z: ray.d.z,
@@ -299,7 +306,7 @@ impl Scene {
             valid.0[i] = -1;
             (packet.org_x[i], packet.org_y[i], packet.org_z[i]) = ray.o.into();
             (packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]) = ray.d.into();
-            (packet.tnear[i], packet.tfar[i]) = (ray.tmin, ray.tmax);
+            (packet.tnear[i], packet.tfar[i]) = (from_zero(ray.tmin), ray.tmax);
         }
         // SAFETY: as for `intersect`; mask and packet are aligned to 32 bytes by their types.
         unsafe { sys::rtcOccluded8(valid.0.as_ptr(), self.handle.raw, &mut packet, ptr::null_mut()) };

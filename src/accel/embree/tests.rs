@@ -36,7 +36,8 @@ impl Random {
 }
 
 fn build(geometry: Geometry) -> EmbreeAccel {
-    EmbreeAccel::build(Arc::new(geometry), AccelOptions { delta_points: true }).expect("Embree builds")
+    EmbreeAccel::build(Arc::new(geometry), AccelOptions { delta_points: true, ..AccelOptions::default() })
+        .expect("Embree builds")
 }
 
 fn soup(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
@@ -81,6 +82,10 @@ fn a_triangle_is_hit_where_it_is() {
         assert_eq!(accel.intersect(&part).is_some(), met, "{tmin} … {tmax}");
         assert_eq!(accel.occluded(&part), met, "{tmin} … {tmax}");
     }
+    // A negative start counts as zero: what lies behind the origin is not met.
+    let past = Ray { o: Vec3::new(0.25, 0.5, 3.0), tmin: -9.0, ..ray };
+    assert!(accel.intersect(&past).is_none() && !accel.occluded(&past));
+    assert_eq!(accel.intersect(&Ray { tmin: -9.0, ..ray }).expect("aimed at it"), hit);
     let beside = Ray::new(Vec3::new(0.75, 0.5, 0.0), Vec3::Z);
     assert!(accel.intersect(&beside).is_none() && !accel.occluded(&beside));
 }
@@ -340,7 +345,7 @@ impl UserGeometry for Faulty {
 }
 
 fn faulty_scene() -> Scene {
-    let device = Arc::new(Device::new().expect("Embree starts"));
+    let device = Arc::new(Device::new(0).expect("Embree starts"));
     let mut builder = SceneBuilder::new(&device).expect("room for a scene");
     builder.attach_user(Faulty, 0, RayMask::TRANSPORT).expect("room for a geometry");
     builder.commit(RayMask::TRANSPORT).expect("one box")
@@ -371,7 +376,7 @@ fn a_panic_in_a_callback_reaches_the_caller_past_embree() {
 
 #[test]
 fn geometries_are_seen_only_by_rays_of_their_mask() {
-    let device = Arc::new(Device::new().expect("Embree starts"));
+    let device = Arc::new(Device::new(0).expect("Embree starts"));
     let geometry = Arc::new(cube(Vec3::ZERO, 1.0));
     for (geometry_mask, ray_mask) in
         [(RayMask::TRANSPORT, RayMask::DELTA), (RayMask::DELTA, RayMask::DELTA), (RayMask::DELTA, RayMask::TRANSPORT)]
@@ -386,7 +391,7 @@ fn geometries_are_seen_only_by_rays_of_their_mask() {
 
 #[test]
 fn errors_carry_embrees_own_words() {
-    let device = Device::new().expect("Embree starts");
+    let device = Device::new(0).expect("Embree starts");
     // SAFETY: an unknown geometry type is an error that Embree reports, not undefined.
     let geometry = unsafe { embree4_sys::rtcNewGeometry(device.handle(), 12345) };
     assert!(geometry.is_null());
