@@ -4,6 +4,8 @@ mod common;
 
 #[path = "unbiased/bits.rs"]
 mod bits;
+#[path = "unbiased/caustics.rs"]
+mod caustics;
 #[path = "unbiased/integrators.rs"]
 mod integrators;
 #[path = "unbiased/settings.rs"]
