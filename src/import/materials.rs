@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::context::{Context, Keys, Object, Type, did_you_mean, list, nearest};
 use super::json::{Kind, Node, excerpt, printable};
 use super::value::{EMISSION, FALLOFF, HALF_ANGLE, IOR, NON_NEGATIVE, UNIT};
-use crate::scene::desc::{MaterialDesc, MaterialKind, Place};
+use crate::scene::desc::{Color, MaterialDesc, MaterialKind, Param, Place};
 
 /// The types that are built.
 const SUPPORTED: &[&str] =
@@ -165,10 +165,10 @@ impl<'a> Context<'a> {
     }
 
     /// A colour in [0,1] with an optional default.
-    fn reflectance(&mut self, object: &Object<'a>, key: &str, default: Option<f64>) -> Option<[f64; 3]> {
+    fn reflectance(&mut self, object: &Object<'a>, key: &str, default: Option<f64>) -> Option<Param<Color>> {
         match (object.get(key), default) {
-            (Some(node), _) => self.color(node, UNIT),
-            (None, Some(default)) => Some([default; 3]),
+            (Some(node), _) => self.color(node, UNIT).map(Param::Value),
+            (None, Some(default)) => Some(Param::Value([default; 3])),
             (None, None) => {
                 self.required(object, key);
                 None

@@ -116,27 +116,34 @@ pub struct MaterialDesc {
     pub at: Place,
 }
 
+/// A material's parameter: one value everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Param<T> {
+    /// The same everywhere.
+    Value(T),
+}
+
 /// The material models of the format.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialKind {
     /// Diffuse reflection, albedo in [0,1]; on the normal's side only unless `two_sided`.
     Lambertian {
         /// Fraction of light reflected, per channel.
-        albedo: Color,
+        albedo: Param<Color>,
         /// Whether the back reflects as well.
         two_sided: bool,
     },
     /// Ideal mirror on both sides.
     Mirror {
         /// Fraction of light reflected at every angle, in [0,1].
-        albedo: Color,
+        albedo: Param<Color>,
     },
     /// Smooth dielectric interface; `ior` is the index on the side the normal points away from, over the other side's.
     Dielectric {
         /// Relative index of refraction, above 0.
         ior: f64,
         /// Scales what is transmitted, in [0,1].
-        transmittance: Color,
+        transmittance: Param<Color>,
     },
     /// Reflects nothing (a `diffuse light`; its emission is in `MaterialDesc::emit`).
     Black,

@@ -1,6 +1,7 @@
 //! Scenes: as written (`desc`), and as rendered (`prepare`, `Scene`).
 
 pub mod desc;
+mod material;
 mod needs;
 mod prepare;
 

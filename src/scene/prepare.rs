@@ -5,8 +5,8 @@
 //! same bits. Radiance does not change with scale; radiant intensity does, with its square (E = I/r²).
 
 use super::desc::{Diagnostic, MaterialKind, SceneDesc, SceneError, ShapeDesc, SurfaceDesc, is_black};
+use super::material::{self, Constants, rgb};
 use super::{SceneNeeds, Surface};
-use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
 use crate::light::{AreaLight, Light, PointLight, SpotLight};
@@ -218,7 +218,7 @@ impl Builder {
             self.lights.push(l);
             self.lights.len() as u32 - 1
         });
-        self.surfaces.push(Surface { bsdf: bsdf(&material.kind), light });
+        self.surfaces.push(Surface { bsdf: material::bsdf(&material.kind, &Constants), light });
     }
 
     fn warn(&mut self, surface: &SurfaceDesc, message: String) {
@@ -330,30 +330,5 @@ fn too_bright(surface: &SurfaceDesc) -> Diagnostic {
         message: "the light is too bright: its power exceeds 3e38 in render space (the scene scaled to about unit \
                   size); lower its emission"
             .into(),
-    }
-}
-
-fn rgb(c: [f64; 3]) -> Rgb {
-    DVec3::from(c).as_vec3a()
-}
-
-fn bsdf(kind: &MaterialKind) -> Bsdf {
-    match *kind {
-        MaterialKind::Lambertian { albedo, two_sided } => {
-            // An albedo of zero scatters nothing: the walk ends there without sampling.
-            if is_black(albedo) { Bsdf::Black } else { Bsdf::Lambertian { albedo: rgb(albedo), two_sided } }
-        }
-        MaterialKind::Mirror { albedo } => {
-            if is_black(albedo) {
-                Bsdf::Black
-            } else {
-                Bsdf::Mirror { albedo: rgb(albedo) }
-            }
-        }
-        MaterialKind::Dielectric { ior, transmittance } => {
-            Bsdf::Dielectric { ior: ior as f32, transmittance: rgb(transmittance) }
-        }
-        MaterialKind::Null => Bsdf::Null,
-        MaterialKind::Black | MaterialKind::PointLight { .. } | MaterialKind::SpotLight { .. } => Bsdf::Black,
     }
 }

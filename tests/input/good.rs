@@ -2,7 +2,7 @@
 
 use twinlight::import::load_scene;
 use twinlight::math::DVec3;
-use twinlight::scene::desc::{Heuristic, IntegratorKind, MaterialKind, Place, SamplerKind, ShapeDesc};
+use twinlight::scene::desc::{Heuristic, IntegratorKind, MaterialKind, Param, Place, SamplerKind, ShapeDesc};
 
 use super::{mesh_of, read, shared};
 
@@ -35,8 +35,8 @@ fn a_whole_scene() {
     assert_eq!((scene.integrator.russian_roulette, scene.integrator.heuristic), (false, Heuristic::Balance));
     assert_eq!((scene.sampler.kind, scene.sampler.seed), (SamplerKind::Independent, 7));
     assert_eq!(scene.materials[0].emit, [1.0, 2.0, 3.0]);
-    assert_eq!(scene.materials[1].kind, MaterialKind::Dielectric { ior: 1.0, transmittance: [1.0; 3] });
-    assert_eq!(scene.materials[2].kind, MaterialKind::Mirror { albedo: [1.0; 3] });
+    assert_eq!(scene.materials[1].kind, MaterialKind::Dielectric { ior: 1.0, transmittance: Param::Value([1.0; 3]) });
+    assert_eq!(scene.materials[2].kind, MaterialKind::Mirror { albedo: Param::Value([1.0; 3]) });
     // A quad turned by +90° about x faces down, exactly.
     let down = scene.surfaces[0].transform.matrix3 * DVec3::Z;
     assert_eq!(down.to_array(), [0.0, -1.0, 0.0]);
