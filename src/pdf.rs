@@ -12,6 +12,16 @@ pub struct SolidAnglePdf(pub f32);
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct AreaPdf(pub f64);
 
+/// Density of a light's point in the measure that such points have: per unit area of render space on a surface, per unit
+/// solid angle (of the directions toward it) at infinity, and the unit mass 1 at a delta light.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct LightPointPdf(pub f64);
+
+/// Density of the edge that leaves a light's point: per unit solid angle or, from a point at infinity, per unit area
+/// perpendicular to the edge.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct EmissionPdf(pub f64);
+
 /// Probability of a discrete choice.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Pmf(pub f32);
@@ -35,6 +45,39 @@ impl AreaPdf {
     pub fn to_solid_angle(self, cos: f32, d2: f64) -> SolidAnglePdf {
         let cos = f64::from(cos.abs());
         if cos > 0.0 { SolidAnglePdf((self.0 * d2 / cos) as f32) } else { SolidAnglePdf::IMPOSSIBLE }
+    }
+}
+
+impl LightPointPdf {
+    /// The density that cannot occur.
+    pub const IMPOSSIBLE: Self = Self(0.0);
+
+    /// The unit mass of a delta light's only point.
+    pub const UNIT_MASS: Self = Self(1.0);
+}
+
+impl From<AreaPdf> for LightPointPdf {
+    fn from(pdf: AreaPdf) -> Self {
+        Self(pdf.0)
+    }
+}
+
+impl std::ops::Mul<Pmf> for LightPointPdf {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, choice: Pmf) -> Self {
+        Self(self.0 * f64::from(choice.0))
+    }
+}
+
+impl EmissionPdf {
+    /// The density that cannot occur.
+    pub const IMPOSSIBLE: Self = Self(0.0);
+}
+
+impl From<SolidAnglePdf> for EmissionPdf {
+    fn from(pdf: SolidAnglePdf) -> Self {
+        Self(f64::from(pdf.0))
     }
 }
 

@@ -160,6 +160,8 @@ impl Lamp {
             }
             Light::Point(_) => Self { kind: "point", shape: None, power },
             Light::Spot(_) => Self { kind: "spot", shape: None, power },
+            Light::Directional(_) => Self { kind: "directional", shape: None, power },
+            Light::Environment(_) => Self { kind: "environment", shape: None, power },
         }
     }
 

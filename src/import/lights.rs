@@ -1,59 +1,129 @@
-//! The `lights[]` sugar: point and spot lights, turned into the delta points that `surfaces[]` would hold.
+//! `lights[]`: point and spot lights, turned into the delta points that `surfaces[]` would hold, and lights at infinity.
 
 use super::context::{Context, Keys, Object, Type};
 use super::json::Node;
 use super::materials::Materials;
 use super::value::EMISSION;
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::scene::desc::{MaterialDesc, MaterialKind, ShapeDesc, SurfaceDesc};
+use crate::scene::desc::{InfiniteLightDesc, InfiniteLightKind, MaterialDesc, MaterialKind, ShapeDesc, SurfaceDesc};
 
 /// The types that are built.
-const SUPPORTED: &[&str] = &["point", "spot"];
+const SUPPORTED: &[&str] = &["point", "spot", "directional", "constant"];
 
 /// The types that the format names and that are not built yet.
-const LATER: &[&str] = &["directional", "constant", "environment"];
+const LATER: &[&str] = &["environment"];
 
 const POINT_KEYS: Keys = Keys { allowed: &["type", "position", "intensity"], idle: &[], later: &[] };
 
-/// All that any light has.
 const SPOT_KEYS: Keys = Keys {
     allowed: &["type", "position", "at", "direction", "intensity", "inner_angle", "outer_angle", "falloff"],
     idle: &["profile"],
     later: &[],
 };
 
+/// All that any light has.
+const ALL_KEYS: Keys = Keys {
+    allowed: &[
+        "type",
+        "position",
+        "at",
+        "direction",
+        "intensity",
+        "inner_angle",
+        "outer_angle",
+        "falloff",
+        "irradiance",
+        "radiance",
+    ],
+    ..SPOT_KEYS
+};
+
+/// What an entry of `lights[]` is.
+enum Read {
+    /// A delta point with its material.
+    Delta(MaterialKind, DAffine3),
+    Infinite(InfiniteLightKind),
+}
+
 impl<'a> Context<'a> {
-    /// Adds the scene's lights to its surfaces.
-    pub fn lights(&mut self, scene: &Object<'a>, materials: &mut Materials, surfaces: &mut Vec<SurfaceDesc>) {
+    /// Adds the scene's lights to its surfaces and its lights at infinity.
+    pub fn lights(
+        &mut self,
+        scene: &Object<'a>,
+        materials: &mut Materials,
+        surfaces: &mut Vec<SurfaceDesc>,
+        infinite: &mut Vec<InfiniteLightDesc>,
+    ) {
         let nodes = scene.get("lights").and_then(|node| self.array(node, "an array of lights"));
         for node in nodes.unwrap_or_default() {
-            if let Some((kind, transform)) = self.light(&node) {
-                let at = self.place(&node);
-                let material = MaterialDesc { name: None, kind, emit: [0.0; 3], at: at.clone() };
-                let material = materials.push(Some(material));
-                let shape = ShapeDesc::DeltaPoint;
-                surfaces.push(SurfaceDesc { shape, transform, material, flip_normals: false, at });
+            let at = self.place(&node);
+            match self.light(&node) {
+                Some(Read::Delta(kind, transform)) => {
+                    let (emit, emit_two_sided) = ([0.0; 3], false);
+                    let material = MaterialDesc { name: None, kind, emit, emit_two_sided, at: at.clone() };
+                    let material = materials.push(Some(material));
+                    let shape = ShapeDesc::DeltaPoint;
+                    surfaces.push(SurfaceDesc { shape, transform, material, flip_normals: false, at });
+                }
+                Some(Read::Infinite(kind)) => infinite.push(InfiniteLightDesc { kind, at }),
+                None => {}
             }
         }
     }
 
-    fn light(&mut self, node: &Node<'a>) -> Option<(MaterialKind, DAffine3)> {
+    fn light(&mut self, node: &Node<'a>) -> Option<Read> {
         let object = self.object(node, "an object")?;
         let kind = self.type_of(&object, "light type", SUPPORTED, LATER);
-        if kind == Type::Later {
-            return None;
-        }
-        self.check_keys(&object, if kind == Type::Known("point") { &POINT_KEYS } else { &SPOT_KEYS });
+        let keys = match kind {
+            Type::Known("point") => POINT_KEYS,
+            Type::Known("spot") => SPOT_KEYS,
+            Type::Known("directional") => Keys::only(&["type", "direction", "irradiance"]),
+            Type::Known("constant") => Keys::only(&["type", "radiance"]),
+            Type::Known(_) | Type::Unknown => ALL_KEYS,
+            Type::Later => return None,
+        };
+        self.check_keys(&object, &keys);
         self.required(&object, "type");
-        let position = self.required(&object, "position").and_then(|n| self.point(n));
-        if kind == Type::Known("spot") {
-            let kind = self.spot(&object, "intensity");
-            let axis = self.spot_axis(&object, position);
-            return Some((kind?, aimed(position?, axis?)));
+        match kind {
+            Type::Known("point") => {
+                let position = self.required(&object, "position").and_then(|n| self.point(n));
+                let intensity = self.required(&object, "intensity").and_then(|n| self.color(n, EMISSION));
+                let transform = DAffine3::from_translation(position?);
+                Some(Read::Delta(MaterialKind::PointLight { intensity: intensity? }, transform))
+            }
+            Type::Known("spot") => {
+                let position = self.required(&object, "position").and_then(|n| self.point(n));
+                let kind = self.spot(&object, "intensity");
+                let axis = self.spot_axis(&object, position);
+                Some(Read::Delta(kind?, aimed(position?, axis?)))
+            }
+            Type::Known("directional") => {
+                let direction = self.required(&object, "direction").and_then(|n| self.unit(n));
+                let irradiance = self.required(&object, "irradiance").and_then(|n| self.color(n, EMISSION));
+                Some(Read::Infinite(InfiniteLightKind::Directional { direction: direction?, irradiance: irradiance? }))
+            }
+            Type::Known("constant") => {
+                let radiance = self.required(&object, "radiance").and_then(|n| self.color(n, EMISSION));
+                Some(Read::Infinite(InfiniteLightKind::Constant { radiance: radiance? }))
+            }
+            _ => {
+                // What means the same in every light is checked in one of unknown type, too.
+                object.get("position").and_then(|n| self.point(n));
+                for key in ["intensity", "irradiance", "radiance"] {
+                    object.get(key).and_then(|n| self.color(n, EMISSION));
+                }
+                None
+            }
         }
-        // What every light has is checked in one of unknown type, too.
-        let intensity = self.required(&object, "intensity").and_then(|n| self.color(n, EMISSION));
-        Some((MaterialKind::PointLight { intensity: intensity? }, DAffine3::from_translation(position?)))
+    }
+
+    /// A direction of unit length.
+    fn unit(&mut self, node: &Node<'a>) -> Option<DVec3> {
+        let unit = self.point(node)?.try_normalize();
+        if unit.is_none() {
+            self.error(node, format!("the direction has length 0: {} points nowhere", node.text));
+        }
+        unit
     }
 
     /// The unit direction of a spot at `position`; what aims it is checked even where the position is in error.

@@ -20,8 +20,8 @@ const LATER_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
 
 /// Keys of some material.
 const OWN_KEYS: &[&str] =
-    &["albedo", "two_sided", "emit", "ior", "transmittance", "inner_angle", "outer_angle", "falloff"];
-const OWN_IDLE_KEYS: &[&str] = &["emit_two_sided", "roughness", "profile"];
+    &["albedo", "two_sided", "emit", "emit_two_sided", "ior", "transmittance", "inner_angle", "outer_angle", "falloff"];
+const OWN_IDLE_KEYS: &[&str] = &["roughness", "profile"];
 
 /// Names listed in a message.
 const MAX_NAMES: usize = 20;
@@ -139,12 +139,12 @@ impl<'a> Context<'a> {
             "spot light" => self.spot_light(object),
             _ => self.null(object),
         };
-        let emit = match name_of_type {
+        let (emit, emit_two_sided) = match name_of_type {
             // Their `emit` is an intensity, or an error already reported.
-            "point light" | "spot light" | "null" => [0.0; 3],
+            "point light" | "spot light" | "null" => ([0.0; 3], false),
             _ => self.reflecting_emission(object)?,
         };
-        Some(MaterialDesc { name, kind: kind?, emit, at })
+        Some(MaterialDesc { name, kind: kind?, emit, emit_two_sided, at })
     }
 
     /// Checks what can be checked in a material whose type is missing or unknown: the keys, and the colours that mean the
@@ -181,15 +181,18 @@ impl<'a> Context<'a> {
     }
 
     fn lambertian(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
-        self.check_material_keys(object, &["albedo", "two_sided", "emit"], &["emit_two_sided"]);
+        self.check_material_keys(object, &["albedo", "two_sided", "emit", "emit_two_sided"], &[]);
         let albedo = self.reflectance(object, "albedo", None);
         let two_sided = self.flag(object, "two_sided");
         Some(MaterialKind::Lambertian { albedo: albedo?, two_sided: two_sided? })
     }
 
     fn mirror(&mut self, object: &Object<'a>, metal: bool) -> Option<MaterialKind> {
-        let idle = ["emit_two_sided", "roughness"];
-        self.check_material_keys(object, &["albedo", "emit"], if metal { &idle } else { &idle[..1] });
+        self.check_material_keys(
+            object,
+            &["albedo", "emit", "emit_two_sided"],
+            if metal { &["roughness"] } else { &[] },
+        );
         let albedo = self.reflectance(object, "albedo", Some(1.0));
         if metal {
             self.smooth(object);
@@ -207,7 +210,7 @@ impl<'a> Context<'a> {
     }
 
     fn dielectric(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
-        self.check_material_keys(object, &["ior", "transmittance", "emit"], &["emit_two_sided", "roughness"]);
+        self.check_material_keys(object, &["ior", "transmittance", "emit", "emit_two_sided"], &["roughness"]);
         let ior = object.get("ior").map_or(Some(1.5), |node| self.number(node, IOR));
         let transmittance = self.reflectance(object, "transmittance", Some(1.0));
         self.smooth(object);
@@ -215,24 +218,17 @@ impl<'a> Context<'a> {
     }
 
     fn diffuse_light(&mut self, object: &Object<'a>, name: Option<String>, at: Place) -> Option<MaterialDesc> {
-        self.check_material_keys(object, &["emit"], &["two_sided"]);
-        self.one_sided_emission(object, "two_sided");
+        self.check_material_keys(object, &["emit", "two_sided"], &[]);
+        let emit_two_sided = self.flag(object, "two_sided");
         let emit = self.required(object, "emit").and_then(|node| self.color(node, EMISSION));
-        Some(MaterialDesc { name, kind: MaterialKind::Black, emit: emit?, at })
+        Some(MaterialDesc { name, kind: MaterialKind::Black, emit: emit?, emit_two_sided: emit_two_sided?, at })
     }
 
     /// The optional emission of a material that also reflects.
-    fn reflecting_emission(&mut self, object: &Object<'a>) -> Option<[f64; 3]> {
-        self.one_sided_emission(object, "emit_two_sided");
-        object.get("emit").map_or(Some([0.0; 3]), |node| self.color(node, EMISSION))
-    }
-
-    fn one_sided_emission(&mut self, object: &Object<'a>, key: &str) {
-        if let Some(node) = object.get(key) {
-            if self.boolean(node) == Some(true) {
-                self.error(node, "emission on both sides is not supported yet; supported: false");
-            }
-        }
+    fn reflecting_emission(&mut self, object: &Object<'a>) -> Option<(Color, bool)> {
+        let two_sided = self.flag(object, "emit_two_sided");
+        let emit = object.get("emit").map_or(Some([0.0; 3]), |node| self.color(node, EMISSION));
+        emit.zip(two_sided)
     }
 
     fn null(&mut self, object: &Object<'a>) -> Option<MaterialKind> {

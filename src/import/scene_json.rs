@@ -11,8 +11,8 @@ use super::json::Document;
 use crate::scene::desc::{SceneDesc, SceneError};
 
 const KEYS: Keys = Keys {
-    allowed: &["camera", "integrator", "sampler", "image_samples", "materials", "surfaces", "lights"],
-    idle: &["background", "textures", "accelerator", "media"],
+    allowed: &["camera", "integrator", "sampler", "image_samples", "background", "materials", "surfaces", "lights"],
+    idle: &["textures", "accelerator", "media"],
     later: &[],
 };
 
@@ -34,11 +34,12 @@ fn read_scene<'a>(context: &mut Context<'a>, root: &Object<'a>) -> Option<SceneD
     let camera = context.camera(root);
     let integrator = context.integrator(root);
     let sampler = context.sampler(root);
-    context.background(root);
+    let mut infinite_lights = Vec::new();
+    infinite_lights.extend(context.background(root));
     context.ignored(root);
     let mut materials = context.materials(root);
     let mut surfaces = context.surfaces(root, &mut materials);
-    context.lights(root, &mut materials, &mut surfaces);
+    context.lights(root, &mut materials, &mut surfaces, &mut infinite_lights);
     let (sampler, samples) = sampler?;
     Some(SceneDesc {
         camera: camera?,
@@ -47,6 +48,7 @@ fn read_scene<'a>(context: &mut Context<'a>, root: &Object<'a>) -> Option<SceneD
         samples,
         materials: materials.into_all()?,
         surfaces,
+        infinite_lights,
         notes: Vec::new(),
         fingerprint: 0,
     })

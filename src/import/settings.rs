@@ -3,7 +3,9 @@
 use super::context::{Context, Keys, Object, Type};
 use super::json::{Kind, Node};
 use super::value::EMISSION;
-use crate::scene::desc::{Heuristic, IntegratorDesc, IntegratorKind, SamplerDesc, SamplerKind, is_black};
+use crate::scene::desc::{
+    Heuristic, InfiniteLightDesc, InfiniteLightKind, IntegratorDesc, IntegratorKind, SamplerDesc, SamplerKind, is_black,
+};
 
 /// Samples per pixel when the file names none.
 const DEFAULT_SAMPLES: u32 = 64;
@@ -126,8 +128,8 @@ impl<'a> Context<'a> {
         self.integer(node, least, most).and_then(|x| u32::try_from(x).ok())
     }
 
-    /// The background: only black exists so far, so that there is nothing to keep.
-    pub fn background(&mut self, scene: &Object<'a>) -> Option<()> {
+    /// The background: the same radiance from everywhere; `None` when it is black.
+    pub fn background(&mut self, scene: &Object<'a>) -> Option<InfiniteLightDesc> {
         let node = scene.get("background")?;
         let color = if node.kind() == Kind::Object {
             let object = self.object(node, "an object")?;
@@ -142,10 +144,8 @@ impl<'a> Context<'a> {
         } else {
             self.vector(node, EMISSION)
         }?;
-        if !is_black(color) {
-            self.error(node, "a background that shines is not supported yet; supported: 0 (black)");
-        }
-        Some(())
+        let light = InfiniteLightDesc { kind: InfiniteLightKind::Constant { radiance: color }, at: self.place(node) };
+        (!is_black(color)).then_some(light)
     }
 
     /// What is read and ignored, with a note, and what must be empty.

@@ -3,6 +3,7 @@
 use super::{PixelSample, Recorder, Settings};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
+use crate::light::LightPoint;
 use crate::math::{Ray, distance_squared};
 use crate::sampling::{Sampler, Stream};
 use crate::scene::Scene;
@@ -43,7 +44,7 @@ fn trace<A: Accel>(
     let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Light(number), sample.index);
     recorder.rays.light_paths += 1;
 
-    let (id, pmf) = choice.sample(sampler.next_f64());
+    let (id, pmf) = choice.sample_emission(sampler.next_f64());
     let light = &scene.lights[id as usize];
     sampler.set_dimension(dimensions::PART);
     let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
@@ -52,17 +53,17 @@ fn trace<A: Accel>(
     let Some(start) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };
     let pdf_position = (start.pdf_position * pmf).0;
 
-    // s = 1: the light itself, seen by the camera. A delta light has no area to be seen.
-    if settings.wants(1, 1) && !light.is_delta() {
-        let p = start.point.p();
+    // s = 1: the light itself, seen by the camera. A delta light has no area to be seen, an environment no place.
+    if let (true, LightPoint::Surface(at)) = (settings.wants(1, 1), &start.point) {
+        let p = at.p();
         if let Some(lens) = scene.camera.sample_lens(p) {
             let le = light.emitted(&start.point, lens.wi);
             if le.max_element() > 0.0 {
                 recorder.rays.lens += 1;
-                let shadow = Ray::segment(start.point.origin(lens.wi), scene.camera.position());
+                let shadow = Ray::segment(at.origin(lens.wi), scene.camera.position());
                 if !scene.accel.occluded(&shadow) {
                     let d2 = distance_squared(p, scene.camera.position());
-                    let area = lens.pdf.to_area(start.point.cos(lens.wi), d2);
+                    let area = lens.pdf.to_area(lens.wi.dot(at.ng), d2);
                     let scale = area.0 / (pdf_position * light_paths_per_pass);
                     recorder.splat(1, 1, lens.pixel, le * scale as f32);
                 }
@@ -70,10 +71,10 @@ fn trace<A: Accel>(
         }
     }
 
-    let cos = f64::from(start.point.cos(start.w).abs());
-    let mut beta = start.le * (cos / (pdf_position * f64::from(start.pdf_direction.0))) as f32;
+    let cos = start.point.cos(start.w);
+    let mut beta = start.le * (cos / (pdf_position * start.pdf_direction.0)) as f32;
     let mut roulette = settings.roulette(beta);
-    let mut ray = Ray::new(start.point.origin(start.w), start.w);
+    let mut ray = Ray::new(start.origin, start.w);
     // Light vertices including the one being arrived at; s − 1 of them scatter when the camera is connected.
     let mut s = 2;
     while s - 1 <= settings.max_bounces {

@@ -3,11 +3,11 @@
 use super::{PixelSample, Recorder, Settings};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
-use crate::light::LightPoint;
-use crate::math::{Ray, Rgb, distance_squared};
+use crate::light::{LightEdge, LightPoint};
+use crate::math::{Ray, Rgb};
 use crate::sampling::{Sampler, Stream};
-use crate::scene::Scene;
 use crate::scene::desc::Heuristic;
+use crate::scene::{Reached, Scene};
 
 /// Sampler dimensions: the film takes number 0, each bounce a block.
 pub(super) mod dimensions {
@@ -62,26 +62,38 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
     // Vertices including the camera's and the one being arrived at.
     let mut t = 2;
     loop {
-        let Some(arrival) = scene.arrive(ray, &mut recorder.rays.camera) else { return };
-        let at = &arrival.at;
         let wo = -ray.d;
-        // s = 0: the path has hit an emitter.
-        if let (Some(id), true) = (arrival.surface.light, settings.wants(0, t)) {
+        let reached = scene.follow(ray, &mut recorder.rays.camera);
+        // s = 0: the path has hit light `id`. Next-event estimation could not have found it behind a window.
+        let mut hit = |id: u32, point: LightPoint, through_window: bool| {
             let light = &scene.lights[id as usize];
-            let point = LightPoint::Surface(*at);
             let le = light.emitted(&point, wo);
-            if le != Rgb::ZERO {
-                let w = match pdf_last {
-                    Some(p) if !arrival.through_window => {
-                        let area = light.pdf_direct(&scene.geometry, &point) * choice.pmf(id);
-                        let d2 = distance_squared(from, at.p());
-                        let q = area.to_solid_angle(point.cos(wo), d2);
-                        weight(settings, p, f64::from(q.0))
-                    }
-                    _ => 1.0,
-                };
-                recorder.add(0, t, beta * le * w);
+            if le == Rgb::ZERO || !settings.wants(0, t) {
+                return;
             }
+            let w = match pdf_last {
+                Some(p) if !through_window => {
+                    let edge = point.edge_from(from);
+                    let q = (light.pdf_direct(&scene.geometry, from, &point) * choice.pmf_direct(from, id)).0;
+                    // Densities at the light, both times d².
+                    weight(settings, p * edge.cos, q * edge.d2)
+                }
+                _ => 1.0,
+            };
+            recorder.add(0, t, beta * le * w);
+        };
+        let arrival = match reached {
+            Reached::Surface(arrival) => arrival,
+            Reached::Infinity { through_window } => {
+                for &id in &scene.environments {
+                    hit(id, LightPoint::Infinite(ray.d), through_window);
+                }
+                return;
+            }
+        };
+        let at = &arrival.at;
+        if let Some(id) = arrival.surface.light {
+            hit(id, LightPoint::Surface(*at), arrival.through_window);
         }
         let bounces = t - 1;
         if bounces > settings.max_bounces || !arrival.surface.bsdf.scatters() {
@@ -92,21 +104,17 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         // s = 1: next-event estimation.
         if bsdf.is_connectible() && settings.wants(1, t) {
             sampler.set_dimension(block + dimensions::LIGHT_CHOICE);
-            let (id, pmf) = choice.sample(sampler.next_f64());
+            let (id, pmf) = choice.sample_direct(at.p(), sampler.next_f64());
             let light = &scene.lights[id as usize];
             let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
             sampler.set_dimension(block + dimensions::LIGHT_POINT);
-            if let Some(y) = light.sample_direct(&scene.geometry, part, sampler.next_2d()) {
-                let p = y.point.p();
-                let wi = (p - at.p()).normalize();
+            if let Some(y) = light.sample_direct(&scene.geometry, at.p(), part, sampler.next_2d()) {
+                let LightEdge { wi, d2, cos } = y.point.edge_from(at.p());
                 let le = light.emitted(&y.point, -wi);
                 let value = if le == Rgb::ZERO { None } else { bsdf.eval(at, wo, wi, Transport::Radiance) };
                 if let Some(value) = value {
-                    let shadow = Ray::segment(at.origin(wi), y.point.segment_end(at.p()));
                     recorder.rays.shadow += 1;
-                    if !scene.accel.occluded(&shadow) {
-                        let d2 = distance_squared(at.p(), p);
-                        let cos = f64::from(y.point.cos(-wi).abs());
+                    if !scene.accel.occluded(&y.point.shadow_ray(at)) {
                         let pdf_light = (y.pdf * pmf).0 * d2;
                         // Densities at the light, both multiplied by d²/cos to stay finite as d shrinks.
                         let w = if light.is_delta() {

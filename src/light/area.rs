@@ -5,11 +5,11 @@ use std::f64::consts::PI;
 use crate::geometry::{Geometry, QuadricKind, SurfacePoint, triangle_area};
 use crate::math::{DVec3, Frame, PointWithError, Rgb, Vec3, gamma};
 use crate::pdf::{AreaPdf, SolidAnglePdf};
-use crate::sampling::{AliasTable, warp};
+use crate::sampling::{AliasTable, ONE_MINUS_EPSILON, warp};
 
 use super::{EmissionSample, LightPoint};
 
-/// A surface that emits the same radiance everywhere, in all directions on its normal's side.
+/// A surface that emits the same radiance everywhere, in all directions on its normal's side or on both.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     /// The shape.
@@ -20,6 +20,17 @@ pub struct AreaLight {
     pub area: f64,
     /// The surface that shines.
     pub surface: u32,
+    /// Whether it shines on both sides.
+    pub two_sided: bool,
+}
+
+/// What a surface emits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emission {
+    /// Radiance, W·m⁻²·sr⁻¹.
+    pub radiance: Rgb,
+    /// Whether on both sides.
+    pub two_sided: bool,
 }
 
 /// How points on an emitting surface are chosen.
@@ -50,18 +61,20 @@ pub enum Emitter {
 
 impl AreaLight {
     /// A light of these triangles, or `None` when they have no area.
-    pub fn from_triangles(geometry: &Geometry, triangles: Vec<u32>, radiance: Rgb, surface: u32) -> Option<Self> {
+    pub fn from_triangles(geometry: &Geometry, triangles: Vec<u32>, emission: Emission, surface: u32) -> Option<Self> {
+        let Emission { radiance, two_sided } = emission;
         let areas: Vec<f64> = triangles.iter().map(|&t| triangle_area(geometry.corners(t))).collect();
         let area: f64 = areas.iter().sum();
         let emitter = match parallelogram(geometry, &triangles) {
             Some(p) => p,
             None => Emitter::Triangles { choice: AliasTable::new(&areas)?, triangles },
         };
-        (area > 0.0).then_some(Self { emitter, radiance, area, surface })
+        (area > 0.0).then_some(Self { emitter, radiance, area, surface, two_sided })
     }
 
     /// A light of a quadric, or `None` when it has no area.
-    pub fn from_quadric(geometry: &Geometry, index: u32, radiance: Rgb, surface: u32) -> Option<Self> {
+    pub fn from_quadric(geometry: &Geometry, index: u32, emission: Emission, surface: u32) -> Option<Self> {
+        let Emission { radiance, two_sided } = emission;
         let q = &geometry.quadrics[index as usize];
         let area = match q.kind {
             QuadricKind::Disk => PI * q.area_stretch(DVec3::Z),
@@ -78,7 +91,7 @@ impl AreaLight {
                 4.0 * PI * (0..n).map(stretch).sum::<f64>() / f64::from(n)
             }
         };
-        (area > 0.0).then_some(Self { emitter: Emitter::Quadric { index }, radiance, area, surface })
+        (area > 0.0).then_some(Self { emitter: Emitter::Quadric { index }, radiance, area, surface, two_sided })
     }
 
     /// A point on the surface with its density per area. `u_part` chooses among triangles.
@@ -143,30 +156,46 @@ impl AreaLight {
         u_dir: [f32; 2],
     ) -> Option<EmissionSample> {
         let (at, pdf_position) = self.sample_point(geometry, u_part, u_point)?;
+        let mut u_dir = u_dir;
+        let mut side = 1.0;
+        if self.two_sided {
+            // The first half of the numbers are the front's; what is left of them is uniform again.
+            let back = u_dir[0] >= 0.5;
+            side = if back { -1.0 } else { 1.0 };
+            u_dir[0] = (2.0 * u_dir[0] - f32::from(u8::from(back))).min(ONE_MINUS_EPSILON);
+        }
         let local = warp::cosine_hemisphere(u_dir);
         if local.z <= 0.0 {
             return None;
         }
-        let w = Frame::from_normal(at.ng).to_world(local);
+        let w = Frame::from_normal(at.ng * side).to_world(local);
         Some(EmissionSample {
             point: LightPoint::Surface(at),
+            origin: at.origin(w),
             w,
             le: self.emitted(&at, w),
-            pdf_position,
-            pdf_direction: self.pdf_direction(&at, w),
+            pdf_position: pdf_position.into(),
+            pdf_direction: self.pdf_direction(&at, w).into(),
         })
     }
 
     /// Radiance that leaves `at` along the unit vector `w`.
     #[inline]
     pub fn emitted(&self, at: &SurfacePoint, w: Vec3) -> Rgb {
-        if w.dot(at.ng) > 0.0 { self.radiance } else { Rgb::ZERO }
+        if w.dot(at.ng) > 0.0 || self.two_sided { self.radiance } else { Rgb::ZERO }
     }
 
-    /// Density of the direction of `sample_emission`: `cosθ/π` on the emitting side.
+    /// Density of the direction of `sample_emission`: `cosθ/π` on the emitting side, half of it on each of two.
     #[inline]
     pub fn pdf_direction(&self, at: &SurfacePoint, w: Vec3) -> SolidAnglePdf {
-        SolidAnglePdf(warp::cosine_hemisphere_pdf(w.dot(at.ng)))
+        let cos = w.dot(at.ng);
+        SolidAnglePdf(warp::cosine_hemisphere_pdf(if self.two_sided { 0.5 * cos.abs() } else { cos }))
+    }
+
+    /// Emitted power per channel, π L A per side.
+    pub(super) fn power(&self) -> Rgb {
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        self.radiance * (sides * PI * self.area) as f32
     }
 }
 

@@ -1,7 +1,7 @@
-//! Choosing one light among all.
+//! Choosing one light among all: once for light subpaths, once for next-event estimation.
 
 use super::Light;
-use crate::math::luminance;
+use crate::math::{Vec3, luminance};
 use crate::pdf::Pmf;
 use crate::sampling::AliasTable;
 
@@ -13,21 +13,33 @@ pub struct LightChoice {
 
 impl LightChoice {
     /// `None` when no light emits anything.
-    pub fn by_power(lights: &[Light]) -> Option<Self> {
+    pub fn new(lights: &[Light]) -> Option<Self> {
         let weights: Vec<f64> = lights.iter().map(|l| f64::from(luminance(l.power()))).collect();
         Some(Self { table: AliasTable::new(&weights)? })
     }
 
-    /// Chooses a light.
+    /// Chooses a light to start a light subpath from.
     #[inline]
-    pub fn sample(&self, u: f64) -> (u32, Pmf) {
+    pub fn sample_emission(&self, u: f64) -> (u32, Pmf) {
         let (i, pmf) = self.table.sample(u);
         (i as u32, pmf)
     }
 
-    /// The probability of choosing a light.
+    /// The probability of `sample_emission` choosing a light.
     #[inline]
-    pub fn pmf(&self, light: u32) -> Pmf {
+    pub fn pmf_emission(&self, light: u32) -> Pmf {
         self.table.pmf(light as usize)
+    }
+
+    /// Chooses a light for next-event estimation at `from`.
+    #[inline]
+    pub fn sample_direct(&self, _from: Vec3, u: f64) -> (u32, Pmf) {
+        self.sample_emission(u)
+    }
+
+    /// The probability of `sample_direct` at `from` choosing a light.
+    #[inline]
+    pub fn pmf_direct(&self, _from: Vec3, light: u32) -> Pmf {
+        self.pmf_emission(light)
     }
 }

@@ -1,22 +1,29 @@
 //! Lights: where light paths start, with true densities for every way of choosing a point or direction on them.
 //!
-//! Contract: a light is either an *area* light (any emitting surface; camera subpaths can hit it) or a *delta* light
-//! (a delta point; they cannot). Directions point away from the light. Light is chosen among lights by
+//! Contract: a light is one that paths can hit by chance (emitting surfaces, environments) or a *delta* light (delta
+//! points, directional lights). Its points lie on surfaces, at delta points or at infinity (`LightPoint`), with densities
+//! in the measure that belongs to each. Directions point away from the light. Light is chosen among lights by
 //! `LightChoice`; every density here is conditional on that choice.
 
 mod area;
 mod choice;
+mod environment_map;
+mod infinite;
+mod point;
 mod spot;
 
-pub use area::{AreaLight, Emitter};
+pub use area::{AreaLight, Emission, Emitter};
 pub use choice::LightChoice;
+pub use environment_map::EnvironmentMap;
+pub use infinite::{DirectionalLight, Environment, EnvironmentLight, SceneBall};
+pub use point::{LightEdge, LightPoint};
 pub use spot::SpotLight;
 
 use std::f32::consts::PI;
 
-use crate::geometry::{Geometry, SurfacePoint};
-use crate::math::{Rgb, Vec3, gamma};
-use crate::pdf::{AreaPdf, SolidAnglePdf};
+use crate::geometry::Geometry;
+use crate::math::{Rgb, Vec3};
+use crate::pdf::{EmissionPdf, LightPointPdf, SolidAnglePdf};
 use crate::sampling::warp;
 
 /// A light source in render space.
@@ -28,6 +35,10 @@ pub enum Light {
     Point(PointLight),
     /// A delta point that shines into a cone.
     Spot(SpotLight),
+    /// Parallel light from infinity.
+    Directional(DirectionalLight),
+    /// Radiance from all around.
+    Environment(EnvironmentLight),
 }
 
 /// An isotropic point light.
@@ -39,78 +50,21 @@ pub struct PointLight {
     pub intensity: Rgb,
 }
 
-/// A point on a light, chosen for a light subpath or for next-event estimation.
-#[derive(Clone, Copy, Debug)]
-pub enum LightPoint {
-    /// On an emitting surface.
-    Surface(SurfacePoint),
-    /// At a delta light.
-    Delta(Vec3),
-}
-
-impl LightPoint {
-    /// Position, render space.
-    #[inline]
-    pub fn p(&self) -> Vec3 {
-        match self {
-            Self::Surface(s) => s.p(),
-            Self::Delta(p) => *p,
-        }
-    }
-
-    /// Where a segment between this point and something on the side of `towards` ends.
-    #[inline]
-    pub fn origin(&self, towards: Vec3) -> Vec3 {
-        match self {
-            Self::Surface(s) => s.origin(towards),
-            Self::Delta(p) => beside(*p, towards.normalize_or_zero(), 0.0),
-        }
-    }
-
-    /// Where a segment from `from` to this point ends.
-    #[inline]
-    pub fn segment_end(&self, from: Vec3) -> Vec3 {
-        match self {
-            Self::Surface(s) => s.segment_end(from),
-            Self::Delta(p) => {
-                let back = from - *p;
-                let length = back.length();
-                if length > 0.0 { beside(*p, back / length, length) } else { *p }
-            }
-        }
-    }
-
-    /// The cosine that turns a solid angle at the other end into area here: 1 at a delta point, where the "area"
-    /// is the point's unit mass.
-    #[inline]
-    pub fn cos(&self, w: Vec3) -> f32 {
-        match self {
-            Self::Surface(s) => s.ng.dot(w),
-            Self::Delta(_) => 1.0,
-        }
-    }
-}
-
-/// A delta point moved towards the unit vector `w` by what the traversal of a segment of this length may be off, so that
-/// a surface it stands on does not hide it. Render space is about one unit large, and so are its largest triangles.
-#[inline]
-fn beside(p: Vec3, w: Vec3, length: f32) -> Vec3 {
-    p + w * (gamma(16) * (1.0 + p.abs().max_element() + length))
-}
-
-/// The first vertex of a light subpath and its first direction.
+/// The first vertex of a light subpath and its first edge.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionSample {
     /// Where light starts.
     pub point: LightPoint,
+    /// Where the ray of the first edge starts: beside the point or, for one at infinity, outside the scene.
+    pub origin: Vec3,
     /// Unit direction of the first edge.
     pub w: Vec3,
-    /// Radiance (area light) or radiant intensity (delta light) along `w`.
+    /// Radiance (area light, environment), radiant intensity (delta point) or irradiance (directional light) along `w`.
     pub le: Rgb,
-    /// Density of the point; for a delta light its unit mass, 1.
-    pub pdf_position: AreaPdf,
-    /// Density of `w` given the point.
-    pub pdf_direction: SolidAnglePdf,
+    /// Density of the point.
+    pub pdf_position: LightPointPdf,
+    /// Density of the edge given the point.
+    pub pdf_direction: EmissionPdf,
 }
 
 /// A point on a light for next-event estimation.
@@ -118,33 +72,57 @@ pub struct EmissionSample {
 pub struct DirectSample {
     /// The point.
     pub point: LightPoint,
-    /// Its density; for a delta light its unit mass, 1.
-    pub pdf: AreaPdf,
+    /// Its density.
+    pub pdf: LightPointPdf,
 }
 
 impl Light {
     /// Whether no path can hit the light by chance.
     #[inline]
     pub fn is_delta(&self) -> bool {
-        !matches!(self, Self::Area(_))
+        matches!(self, Self::Point(_) | Self::Spot(_) | Self::Directional(_))
     }
 
-    /// Emitted power per channel in render units (for an ellipsoid its bound).
+    /// Whether the light's points lie at infinity.
+    #[inline]
+    pub fn is_infinite(&self) -> bool {
+        matches!(self, Self::Directional(_) | Self::Environment(_))
+    }
+
+    /// Emitted power per channel in render units (for an ellipsoid its bound); of a light at infinity what enters the
+    /// scene's ball.
     pub fn power(&self) -> Rgb {
         match self {
-            Self::Area(l) => l.radiance * (f64::from(PI) * l.area) as f32,
+            Self::Area(l) => l.power(),
             Self::Point(l) => l.intensity * (4.0 * PI),
             Self::Spot(l) => l.intensity * l.solid_angle(),
+            Self::Directional(l) => l.power(),
+            Self::Environment(l) => l.power(),
+        }
+    }
+
+    /// The largest channel of what the light emits: radiance, intensity or irradiance.
+    pub fn brightest(&self) -> f32 {
+        match self {
+            Self::Area(l) => l.radiance.max_element(),
+            Self::Point(l) => l.intensity.max_element(),
+            Self::Spot(l) => l.intensity.max_element(),
+            Self::Directional(l) => l.irradiance.max_element(),
+            Self::Environment(l) => l.brightest(),
         }
     }
 
     /// Whether the light has parts to choose among, so that `u_part` below is used.
     #[inline]
     pub fn has_parts(&self) -> bool {
-        matches!(self, Self::Area(AreaLight { emitter: Emitter::Triangles { .. }, .. }))
+        match self {
+            Self::Area(l) => matches!(l.emitter, Emitter::Triangles { .. }),
+            Self::Environment(l) => matches!(l.radiance, Environment::Map(_)),
+            _ => false,
+        }
     }
 
-    /// Starts a light subpath: point, direction and their densities.
+    /// Starts a light subpath: point, first edge and their densities.
     #[inline]
     pub fn sample_emission(
         &self,
@@ -153,12 +131,16 @@ impl Light {
         u_position: [f32; 2],
         u_direction: [f32; 2],
     ) -> Option<EmissionSample> {
-        let delta = |position, w, le, pdf| EmissionSample {
-            point: LightPoint::Delta(position),
-            w,
-            le,
-            pdf_position: AreaPdf(1.0),
-            pdf_direction: pdf,
+        let delta = |position, w, le, pdf: SolidAnglePdf| {
+            let point = LightPoint::Delta(position);
+            EmissionSample {
+                point,
+                origin: point.origin(w),
+                w,
+                le,
+                pdf_position: LightPointPdf::UNIT_MASS,
+                pdf_direction: pdf.into(),
+            }
         };
         match self {
             Self::Area(l) => l.sample_emission(geometry, u_part, u_position, u_direction),
@@ -174,59 +156,74 @@ impl Light {
                 }
                 Some(delta(l.position, w, l.emitted(w), pdf))
             }
+            Self::Directional(l) => Some(l.sample_emission(u_position)),
+            Self::Environment(l) => l.sample_emission(u_part, u_position, u_direction),
         }
     }
 
-    /// A point on the light for next-event estimation.
+    /// A point on the light for next-event estimation at `from`.
     #[inline]
-    pub fn sample_direct(&self, geometry: &Geometry, u_part: f64, u: [f32; 2]) -> Option<DirectSample> {
+    pub fn sample_direct(&self, geometry: &Geometry, _from: Vec3, u_part: f64, u: [f32; 2]) -> Option<DirectSample> {
         match self {
             Self::Area(l) => {
                 let (point, pdf) = l.sample_point(geometry, u_part, u)?;
-                Some(DirectSample { point: LightPoint::Surface(point), pdf })
+                Some(DirectSample { point: LightPoint::Surface(point), pdf: pdf.into() })
             }
             Self::Point(PointLight { position, .. }) | Self::Spot(SpotLight { position, .. }) => {
-                Some(DirectSample { point: LightPoint::Delta(*position), pdf: AreaPdf(1.0) })
+                Some(DirectSample { point: LightPoint::Delta(*position), pdf: LightPointPdf::UNIT_MASS })
+            }
+            Self::Directional(l) => {
+                Some(DirectSample { point: LightPoint::Infinite(l.toward), pdf: LightPointPdf::UNIT_MASS })
+            }
+            Self::Environment(l) => {
+                let (toward, pdf) = l.sample_direction(u_part, u)?;
+                Some(DirectSample { point: LightPoint::Infinite(toward), pdf })
             }
         }
     }
 
-    /// Radiance (area) or intensity (delta) sent from `point` along the unit vector `w`.
+    /// Radiance, intensity (delta points) or irradiance (directional lights) sent from `point` along the unit vector `w`.
     #[inline]
     pub fn emitted(&self, point: &LightPoint, w: Vec3) -> Rgb {
         match (self, point) {
             (Self::Area(l), LightPoint::Surface(s)) => l.emitted(s, w),
             (Self::Point(l), _) => l.intensity,
             (Self::Spot(l), _) => l.emitted(w),
-            // An area light has no delta points: nothing is emitted there.
-            (Self::Area(_), LightPoint::Delta(_)) => Rgb::ZERO,
+            (Self::Directional(l), _) => l.irradiance,
+            (Self::Environment(l), LightPoint::Infinite(toward)) => l.radiance(*toward),
+            // No other light has such points: nothing is emitted there.
+            (Self::Area(_) | Self::Environment(_), _) => Rgb::ZERO,
         }
     }
 
-    /// Density with which `sample_emission` chooses the point (unit mass for a delta light).
+    /// Density with which `sample_emission` chooses the point.
     #[inline]
-    pub fn pdf_emission_position(&self, geometry: &Geometry, point: &LightPoint) -> AreaPdf {
+    pub fn pdf_emission_position(&self, geometry: &Geometry, point: &LightPoint) -> LightPointPdf {
         match (self, point) {
-            (Self::Area(l), LightPoint::Surface(s)) => l.pdf_point(geometry, s.p()),
-            _ => AreaPdf(1.0),
+            (Self::Area(l), LightPoint::Surface(s)) => l.pdf_point(geometry, s.p()).into(),
+            (Self::Environment(l), LightPoint::Infinite(toward)) => l.pdf(*toward),
+            (Self::Point(_) | Self::Spot(_) | Self::Directional(_), _) => LightPointPdf::UNIT_MASS,
+            (Self::Area(_) | Self::Environment(_), _) => LightPointPdf::IMPOSSIBLE,
         }
     }
 
-    /// Density with which `sample_emission` chooses the direction `w` from `point`.
+    /// Density with which `sample_emission` chooses the edge along `w` from `point`.
     #[inline]
-    pub fn pdf_emission_direction(&self, point: &LightPoint, w: Vec3) -> SolidAnglePdf {
+    pub fn pdf_emission_direction(&self, point: &LightPoint, w: Vec3) -> EmissionPdf {
         match (self, point) {
-            (Self::Area(l), LightPoint::Surface(s)) => l.pdf_direction(s, w),
-            (Self::Point(_), _) => SolidAnglePdf(0.25 / PI),
-            (Self::Spot(l), _) => l.pdf_direction(w),
-            (Self::Area(_), LightPoint::Delta(_)) => SolidAnglePdf::IMPOSSIBLE,
+            (Self::Area(l), LightPoint::Surface(s)) => l.pdf_direction(s, w).into(),
+            (Self::Point(_), _) => SolidAnglePdf(0.25 / PI).into(),
+            (Self::Spot(l), _) => l.pdf_direction(w).into(),
+            (Self::Directional(l), _) => l.pdf_direction(),
+            (Self::Environment(l), _) => l.pdf_direction(),
+            (Self::Area(_), _) => EmissionPdf::IMPOSSIBLE,
         }
     }
 
-    /// Density with which `sample_direct` chooses the point (unit mass for a delta light).
+    /// Density with which `sample_direct` at `from` chooses the point.
     #[inline]
-    pub fn pdf_direct(&self, geometry: &Geometry, point: &LightPoint) -> AreaPdf {
-        // Next-event estimation samples by area, as emission does; kept apart because it need not.
+    pub fn pdf_direct(&self, geometry: &Geometry, _from: Vec3, point: &LightPoint) -> LightPointPdf {
+        // Next-event estimation samples points as emission does; kept apart because it need not.
         self.pdf_emission_position(geometry, point)
     }
 }

@@ -13,7 +13,6 @@ use crate::accel::Accel;
 use crate::film::{Accumulator, Image, Quanta};
 use crate::integrator::{Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
 use crate::light::Light;
-use crate::math::Rgb;
 use crate::scene::Scene;
 
 /// What to render.
@@ -145,7 +144,7 @@ impl Totals {
 
 impl<'a, A: Accel> Run<'a, A> {
     fn new(scene: &'a Scene<A>, job: &'a RenderJob, progress: &'a (dyn Fn(Progress) -> bool + Sync)) -> Self {
-        let emission = scene.lights.iter().map(brightness).fold(0.0, f32::max);
+        let emission = scene.lights.iter().map(Light::brightest).fold(0.0, f32::max);
         let splats = SampleLoop::new(scene, job.settings).splats();
         Self {
             scene,
@@ -260,14 +259,4 @@ impl<'a, A: Accel> Run<'a, A> {
             stopped: self.stopped.load(Ordering::Relaxed),
         }
     }
-}
-
-/// The largest channel of what a light emits: radiance, or intensity.
-fn brightness(light: &Light) -> f32 {
-    let emitted: Rgb = match light {
-        Light::Area(l) => l.radiance,
-        Light::Point(l) => l.intensity,
-        Light::Spot(l) => l.intensity,
-    };
-    emitted.max_element()
 }

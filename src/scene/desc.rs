@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::math::DAffine3;
+use crate::math::{DAffine3, DMat3, DVec3};
 
 /// A linear RGB triple as written.
 pub type Color = [f64; 3];
@@ -22,6 +22,8 @@ pub struct SceneDesc {
     pub materials: Vec<MaterialDesc>,
     /// Surfaces, with the `lights[]` sugar already turned into delta points.
     pub surfaces: Vec<SurfaceDesc>,
+    /// Lights at infinity, the background included.
+    pub infinite_lights: Vec<InfiniteLightDesc>,
     /// What the reader should know but need not mend, for example a sampler read as another.
     pub notes: Vec<String>,
     /// Changes with the file's text and the content of its meshes, and with nothing else.
@@ -112,6 +114,8 @@ pub struct MaterialDesc {
     pub kind: MaterialKind,
     /// Emitted radiance on the normal's side, W·m⁻²·sr⁻¹; all zero when it does not shine.
     pub emit: Color,
+    /// Whether the other side shines as well.
+    pub emit_two_sided: bool,
     /// Where in the file.
     pub at: Place,
 }
@@ -164,6 +168,41 @@ pub enum MaterialKind {
         outer_angle: f64,
         /// Exponent of the attenuation between the two, 0 or above.
         falloff: f64,
+    },
+}
+
+/// A light at infinity.
+#[derive(Clone, Debug)]
+pub struct InfiniteLightDesc {
+    /// What it is.
+    pub kind: InfiniteLightKind,
+    /// Where in the file.
+    pub at: Place,
+}
+
+/// The lights at infinity of the format.
+#[derive(Clone, Debug)]
+pub enum InfiniteLightKind {
+    /// Parallel light.
+    Directional {
+        /// The direction in which the light travels, unit length.
+        direction: DVec3,
+        /// Irradiance of a surface that faces it, W·m⁻².
+        irradiance: Color,
+    },
+    /// The same radiance from everywhere.
+    Constant {
+        /// W·m⁻²·sr⁻¹.
+        radiance: Color,
+    },
+    /// Radiance from an equirectangular image.
+    Image {
+        /// Width and height in texels.
+        size: [usize; 2],
+        /// Linear radiance by row from the top, already scaled, W·m⁻²·sr⁻¹; finite, not negative.
+        texels: Vec<[f32; 3]>,
+        /// The image's frame (top +y, middle −z) to the world: a rotation.
+        transform: DMat3,
     },
 }
 

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use crate::accel::{Accel, AccelError, AccelOptions};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
-use crate::geometry::{Geometry, Hit, SurfacePoint};
+use crate::geometry::{Geometry, SurfacePoint};
 use crate::light::{Light, LightChoice};
 use crate::math::Ray;
 
@@ -37,6 +37,8 @@ pub struct Scene<A> {
     pub surfaces: Vec<Surface>,
     /// By light index.
     pub lights: Vec<Light>,
+    /// The lights that a ray out of the scene hits.
+    pub environments: Vec<u32>,
     /// Chooses among the lights; `None` in a dark scene.
     pub light_choice: Option<LightChoice>,
     /// The camera.
@@ -56,6 +58,18 @@ pub struct Arrival {
     pub through_window: bool,
 }
 
+/// Where a ray leads.
+#[derive(Clone, Copy, Debug)]
+pub enum Reached {
+    /// To a surface.
+    Surface(Arrival),
+    /// Out of the scene.
+    Infinity {
+        /// Whether it passed an index-matched window.
+        through_window: bool,
+    },
+}
+
 impl<A: Accel> Scene<A> {
     /// Builds the acceleration structure over a prepared scene.
     ///
@@ -65,17 +79,30 @@ impl<A: Accel> Scene<A> {
         let Prepared { geometry, surfaces, lights, camera, needs, .. } = prepared;
         let geometry = Arc::new(geometry);
         let accel = A::build(Arc::clone(&geometry), options)?;
-        let light_choice = LightChoice::by_power(&lights);
-        Ok(Self { geometry, accel, surfaces, lights, light_choice, camera, needs })
+        let light_choice = LightChoice::new(&lights);
+        let is_environment = |l: &Light| l.is_infinite() && !l.is_delta();
+        let environments = (0..).zip(&lights).filter(|(_, l)| is_environment(l)).map(|(i, _)| i).collect();
+        Ok(Self { geometry, accel, surfaces, lights, environments, light_choice, camera, needs })
     }
 
-    /// Follows a ray to the first surface that is not a window; the number of rays it took is added to `rays`.
+    /// Follows a ray to the first surface that is not a window, or to `None`; the number of rays it took is added to
+    /// `rays`.
     #[inline]
-    pub fn arrive(&self, mut ray: Ray, rays: &mut u64) -> Option<Arrival> {
+    pub fn arrive(&self, ray: Ray, rays: &mut u64) -> Option<Arrival> {
+        match self.follow(ray, rays) {
+            Reached::Surface(arrival) => Some(arrival),
+            Reached::Infinity { .. } => None,
+        }
+    }
+
+    /// Follows a ray to the first surface that is not a window, or out of the scene; the number of rays it took is added
+    /// to `rays`.
+    #[inline]
+    pub fn follow(&self, mut ray: Ray, rays: &mut u64) -> Reached {
         let mut through_window = false;
         loop {
             *rays += 1;
-            let hit: Hit = self.accel.intersect(&ray)?;
+            let Some(hit) = self.accel.intersect(&ray) else { return Reached::Infinity { through_window } };
             let at = self.geometry.surface_point(&ray, &hit);
             let surface = self.surfaces[at.surface as usize];
             if self.needs.windows && surface.bsdf == Bsdf::Null {
@@ -83,7 +110,7 @@ impl<A: Accel> Scene<A> {
                 ray = Ray::new(at.origin(ray.d), ray.d);
                 continue;
             }
-            return Some(Arrival { at, surface, through_window });
+            return Reached::Surface(Arrival { at, surface, through_window });
         }
     }
 }

@@ -4,12 +4,18 @@
 //! half extent lies in [½, 1). Both are exact in what matters: a scene written at 2ᵏ times the size prepares to the
 //! same bits. Radiance does not change with scale; radiant intensity does, with its square (E = I/r²).
 
-use super::desc::{Diagnostic, MaterialKind, SceneDesc, SceneError, ShapeDesc, SurfaceDesc, is_black};
+use super::desc::{
+    Diagnostic, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Place, SceneDesc, SceneError, ShapeDesc,
+    SurfaceDesc, is_black,
+};
 use super::material::{self, Constants, rgb};
 use super::{SceneNeeds, Surface};
 use crate::camera::Camera;
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
-use crate::light::{AreaLight, Light, PointLight, SpotLight};
+use crate::light::{
+    AreaLight, DirectionalLight, Emission, Environment, EnvironmentLight, EnvironmentMap, Light, PointLight, SceneBall,
+    SpotLight,
+};
 use crate::math::{DAffine3, DMat3, DVec3, Rgb, Vec3};
 
 /// A scene in render space, before its acceleration structure.
@@ -64,6 +70,10 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     let mut builder = Builder { to_render, scale, ..Builder::default() };
     for surface in &desc.surfaces {
         builder.add(desc, surface);
+    }
+    let ball = ball(&builder.geometry);
+    for light in &desc.infinite_lights {
+        builder.add_infinite(light, ball);
     }
     let Builder { mut geometry, surfaces, lights, mut warnings, errors, .. } = builder;
     if !errors.is_empty() {
@@ -185,7 +195,7 @@ impl Builder {
             return;
         }
         let index = self.surfaces.len() as u32;
-        let emit = rgb(material.emit);
+        let emit = Emission { radiance: rgb(material.emit), two_sided: material.emit_two_sided };
         let light = match &surface.shape {
             ShapeDesc::Quad { size: [w, h] } => {
                 let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
@@ -213,7 +223,7 @@ impl Builder {
         }
         let light = light.map(Light::Area).map(|l| {
             if !l.power().is_finite() {
-                self.errors.push(too_bright(surface));
+                self.errors.push(too_bright(&surface.at));
             }
             self.lights.push(l);
             self.lights.len() as u32 - 1
@@ -225,8 +235,10 @@ impl Builder {
         self.warnings.push(Diagnostic { at: surface.at.clone(), message });
     }
 
-    fn triangle_light(&self, triangles: Vec<u32>, emit: Rgb, index: u32) -> Option<AreaLight> {
-        (emit != Rgb::ZERO).then(|| AreaLight::from_triangles(&self.geometry, triangles, emit, index)).flatten()
+    fn triangle_light(&self, triangles: Vec<u32>, emit: Emission, index: u32) -> Option<AreaLight> {
+        (emit.radiance != Rgb::ZERO)
+            .then(|| AreaLight::from_triangles(&self.geometry, triangles, emit, index))
+            .flatten()
     }
 
     /// Appends triangles and returns the indices of those that have an area.
@@ -286,14 +298,46 @@ impl Builder {
         kind: QuadricKind,
         to_render: &DAffine3,
         radius: f64,
-        emit: Rgb,
+        emit: Emission,
         index: u32,
     ) -> Option<AreaLight> {
         let unit_to_render = *to_render * DAffine3::from_scale(DVec3::splat(radius));
         let id = self.geometry.quadrics.len() as u32;
         self.geometry.quadrics.push(Quadric::new(kind, unit_to_render, surface.flip_normals));
         self.geometry.quadric_surface.push(index);
-        (emit != Rgb::ZERO).then(|| AreaLight::from_quadric(&self.geometry, id, emit, index)).flatten()
+        (emit.radiance != Rgb::ZERO).then(|| AreaLight::from_quadric(&self.geometry, id, emit, index)).flatten()
+    }
+
+    fn add_infinite(&mut self, desc: &InfiniteLightDesc, ball: SceneBall) {
+        let light = match &desc.kind {
+            InfiniteLightKind::Directional { direction, irradiance } => {
+                let toward = (-*direction).as_vec3a().normalize();
+                Light::Directional(DirectionalLight { toward, irradiance: rgb(*irradiance), ball })
+            }
+            InfiniteLightKind::Constant { radiance } => {
+                Light::Environment(EnvironmentLight { radiance: Environment::Constant(rgb(*radiance)), ball })
+            }
+            InfiniteLightKind::Image { size: [width, height], texels, transform } => {
+                let texels = texels.iter().map(|t| Rgb::from_array(*t)).collect();
+                let Some(map) = EnvironmentMap::new(*width, *height, texels, *transform) else {
+                    self.warnings.push(Diagnostic {
+                        at: desc.at.clone(),
+                        message: "the image is all black: the light emits no power and is left out".into(),
+                    });
+                    return;
+                };
+                Light::Environment(EnvironmentLight { radiance: Environment::Map(Box::new(map)), ball })
+            }
+        };
+        let power = light.power();
+        if !power.is_finite() {
+            self.errors.push(too_bright(&desc.at));
+        } else if power.max_element() > 0.0 {
+            self.lights.push(light);
+        } else {
+            let message = "the light emits no power: it is left out".into();
+            self.warnings.push(Diagnostic { at: desc.at.clone(), message });
+        }
     }
 
     fn add_delta(&mut self, surface: &SurfaceDesc, material: &MaterialKind, to_render: &DAffine3) {
@@ -314,7 +358,7 @@ impl Builder {
         self.geometry.delta_points.push(DeltaPoint::new(position, 1.0));
         let power = light.power();
         if !power.is_finite() {
-            self.errors.push(too_bright(surface));
+            self.errors.push(too_bright(&surface.at));
         } else if power.max_element() > 0.0 {
             self.lights.push(light);
         } else {
@@ -323,10 +367,22 @@ impl Builder {
     }
 }
 
+/// The ball around all that light can fall on.
+fn ball(geometry: &Geometry) -> SceneBall {
+    let corners = geometry.triangles.iter().flatten().map(|&i| geometry.positions[i as usize]);
+    let quadrics = geometry.quadrics.iter().flat_map(|q| <[Vec3; 2]>::from(q.bounds()));
+    let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for p in corners.chain(quadrics) {
+        lo = lo.min(p);
+        hi = hi.max(p);
+    }
+    if lo.x > hi.x { SceneBall::around(Vec3::ZERO, Vec3::ZERO) } else { SceneBall::around(lo, hi) }
+}
+
 /// The power of a light is its radiance times its area, or its intensity times its solid angle; it has to fit an f32.
-fn too_bright(surface: &SurfaceDesc) -> Diagnostic {
+fn too_bright(at: &Place) -> Diagnostic {
     Diagnostic {
-        at: surface.at.clone(),
+        at: at.clone(),
         message: "the light is too bright: its power exceeds 3e38 in render space (the scene scaled to about unit \
                   size); lower its emission"
             .into(),

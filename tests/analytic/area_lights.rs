@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use serde_json::{Value, json};
 use twinlight::accel::{Accel, AccelOptions, bvh::BvhAccel};
 use twinlight::integrator::{Integrator, Settings};
-use twinlight::math::{DAffine3, DMat3, DVec3, Ray, Rgb};
+use twinlight::math::{DAffine3, DMat3, DVec3, Rgb};
 use twinlight::scene::Scene;
 
 use crate::common::{
@@ -256,13 +256,13 @@ fn hidden_by_itself<A: Accel>(json: &Value, random: &mut Random) -> usize {
     let mut hidden = 0;
     for _ in 0..4000 {
         let [part, u, v] = [0; 3].map(|_| (random.uniform() as f32).min(1.0 - f32::EPSILON / 2.0));
-        let Some(y) = light.sample_direct(&scene.geometry, f64::from(part), [u, v]) else { continue };
-        let wi = y.point.p() - at.p();
+        let Some(y) = light.sample_direct(&scene.geometry, at.p(), f64::from(part), [u, v]) else { continue };
+        let edge = y.point.edge_from(at.p());
+        let wi = edge.wi;
         // Beyond grazing angles by rounding it would be the receiver or the light's back.
-        let faces = wi.normalize().dot(at.ng) > 1e-3 && y.point.cos(-wi.normalize()) > 1e-3;
-        if faces && light.emitted(&y.point, -wi.normalize()) != Rgb::ZERO {
-            let segment = Ray::segment(at.origin(wi), y.point.segment_end(at.p()));
-            hidden += usize::from(scene.accel.occluded(&segment));
+        let faces = wi.dot(at.ng) > 1e-3 && edge.cos > 1e-3;
+        if faces && light.emitted(&y.point, -wi) != Rgb::ZERO {
+            hidden += usize::from(scene.accel.occluded(&y.point.shadow_ray(at)));
         }
     }
     hidden

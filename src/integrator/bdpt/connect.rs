@@ -3,16 +3,33 @@
 //! Every one of them multiplies what the two subpaths carry, the BSDFs (with their cosines) at the joined vertices
 //! and the weight over distance², and asks for visibility last.
 
-use super::{Bdpt, Vertex};
+use super::{Bdpt, Partial, Vertex};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
 use crate::camera::CameraSample;
+use crate::geometry::SurfacePoint;
 use crate::integrator::Recorder;
 use crate::integrator::path::dimensions;
-use crate::light::{Light, LightPoint};
-use crate::math::{Ray, Rgb, distance_squared};
+use crate::light::{Light, LightEdge, LightPoint};
+use crate::math::{Ray, Rgb, Vec3, distance_squared};
+use crate::pdf::Pmf;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
+
+/// A camera subpath that has come upon a light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EmitterHit {
+    /// The point of the light.
+    pub point: LightPoint,
+    /// Unit direction to the previous vertex, and where that is.
+    pub wo: Vec3,
+    pub from: Vec3,
+    /// Throughput and partial sums of the subpath up to the light.
+    pub beta: Rgb,
+    pub partial: Partial,
+    /// Number of vertices of the subpath, the light's included.
+    pub number: u32,
+}
 
 impl Bdpt {
     /// `h` of the number of samples of the technique in which camera vertex `number` would be the light's.
@@ -29,49 +46,52 @@ impl Bdpt {
 
     /// s = 0: the camera subpath has hit light `id`.
     #[inline]
-    pub(super) fn hit_emitter<A: Accel>(&self, scene: &Scene<A>, id: u32, z: &Vertex, recorder: &mut Recorder) {
-        let (Some(choice), true) = (&scene.light_choice, self.settings.wants(0, z.number)) else { return };
+    pub(super) fn hit_emitter<A: Accel>(&self, scene: &Scene<A>, id: u32, hit: &EmitterHit, recorder: &mut Recorder) {
+        let (Some(choice), true) = (&scene.light_choice, self.settings.wants(0, hit.number)) else { return };
         let light = &scene.lights[id as usize];
-        let point = LightPoint::Surface(z.at);
-        if light.emitted(&point, z.wo) == Rgb::ZERO {
+        if light.emitted(&hit.point, hit.wo) == Rgb::ZERO {
             return;
         }
-        recorder.add(0, z.number, self.evaluate_emitter(scene, light, &point, z, choice.pmf(id).0));
+        let pmf = [choice.pmf_emission(id), choice.pmf_direct(hit.from, id)];
+        recorder.add(0, hit.number, self.evaluate_emitter(scene, light, hit, pmf));
     }
 
-    /// The weighted contribution of the light that the camera subpath hit at `z`.
+    /// The weighted contribution of the light that a camera subpath has hit, chosen for emission and for next-event
+    /// estimation with the probabilities `pmf`.
     #[inline]
     pub(super) fn evaluate_emitter<A: Accel>(
         &self,
         scene: &Scene<A>,
         light: &Light,
-        point: &LightPoint,
-        z: &Vertex,
-        pmf: f32,
+        hit: &EmitterHit,
+        pmf: [Pmf; 2],
     ) -> Rgb {
-        let w = self.mis.weight(self.emitter_alternatives(scene, light, point, z, pmf));
-        z.beta * light.emitted(point, z.wo) * w as f32
+        let w = self.mis.weight(self.emitter_alternatives(scene, light, hit, pmf));
+        hit.beta * light.emitted(&hit.point, hit.wo) * w as f32
     }
 
-    /// Σ_{j>0} h(n_j p_j)/h(p_0) for a path whose emitter the camera subpath hit at `z`.
+    /// Σ_{j>0} h(n_j p_j)/h(p_0) for a path whose emitter a camera subpath has hit.
     #[inline]
     fn emitter_alternatives<A: Accel>(
         &self,
         scene: &Scene<A>,
         light: &Light,
-        point: &LightPoint,
-        z: &Vertex,
-        pmf: f32,
+        hit: &EmitterHit,
+        [pmf_emission, pmf_direct]: [Pmf; 2],
     ) -> f64 {
-        let emission = light.pdf_emission_position(&scene.geometry, point).0 * f64::from(pmf);
-        if z.number == 2 {
+        let EmitterHit { point, partial, .. } = hit;
+        let emission = (light.pdf_emission_position(&scene.geometry, point) * pmf_emission).0;
+        if hit.number == 2 {
+            if light.is_infinite() {
+                return 0.0;
+            }
             // Seen directly: the one alternative, (1,1), starts as light subpaths do.
-            return self.mis.light_paths * self.mis.h(emission) * z.partial.direct;
+            return self.mis.light_paths * self.mis.h(emission) * partial.direct;
         }
-        let direct = light.pdf_direct(&scene.geometry, point).0 * f64::from(pmf);
-        let direction = f64::from(light.pdf_emission_direction(point, z.wo).0);
-        self.mis.next_event * self.mis.h(direct) * z.partial.direct
-            + self.mis.h(emission) * self.mis.h(direction) * z.partial.earlier
+        let direct = (light.pdf_direct(&scene.geometry, hit.from, point) * pmf_direct).0;
+        let direction = light.pdf_emission_direction(point, hit.wo).0;
+        self.mis.next_event * self.mis.h(direct) * partial.direct
+            + self.mis.h(emission) * self.mis.h(direction) * partial.earlier
     }
 
     /// s = 1: next-event estimation at camera vertex `z`, the sampler standing at the light's dimensions.
@@ -85,21 +105,21 @@ impl Bdpt {
         recorder: &mut Recorder,
     ) {
         let (Some(choice), true) = (&scene.light_choice, self.settings.wants(1, z.number)) else { return };
-        let (id, pmf) = choice.sample(sampler.next_f64());
+        let (id, pmf) = choice.sample_direct(z.at.p(), sampler.next_f64());
         let light = &scene.lights[id as usize];
         let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
         sampler.set_dimension(block + dimensions::LIGHT_POINT);
-        let Some(y) = light.sample_direct(&scene.geometry, part, sampler.next_2d()) else { return };
-        let pdf_direct = (y.pdf * pmf).0;
-        let Some(value) = self.evaluate_next_event(scene, light, &y.point, pdf_direct, pmf.0, z) else { return };
-        let wi = y.point.p() - z.at.p();
+        let Some(y) = light.sample_direct(&scene.geometry, z.at.p(), part, sampler.next_2d()) else { return };
+        let (pdf_direct, pmf) = ((y.pdf * pmf).0, choice.pmf_emission(id));
+        let Some(value) = self.evaluate_next_event(scene, light, &y.point, pdf_direct, pmf, z) else { return };
         recorder.rays.shadow += 1;
-        if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.point.segment_end(z.at.p()))) {
+        if !scene.accel.occluded(&y.point.shadow_ray(&z.at)) {
             recorder.add(1, z.number, value);
         }
     }
 
-    /// The weighted contribution of a next-event sample, visibility left out; `None` where it is zero.
+    /// The weighted contribution of a next-event sample, visibility left out; `None` where it is zero. `pdf_direct` holds
+    /// the choice of the light, `pmf` is the probability of the choice for emission.
     #[inline]
     pub(super) fn evaluate_next_event<A: Accel>(
         &self,
@@ -107,24 +127,22 @@ impl Bdpt {
         light: &Light,
         y: &LightPoint,
         pdf_direct: f64,
-        pmf: f32,
+        pmf: Pmf,
         z: &Vertex,
     ) -> Option<Rgb> {
-        let wi = (y.p() - z.at.p()).normalize();
+        let LightEdge { wi, d2, cos: cos_light } = y.edge_from(z.at.p());
         let le = light.emitted(y, -wi);
         if le == Rgb::ZERO {
             return None;
         }
         let value = z.bsdf.eval(&z.at, z.wo, wi, Transport::Radiance)?;
-        let d2 = distance_squared(y.p(), z.at.p());
-        let cos_light = f64::from(y.cos(-wi).abs());
         let cos_z = f64::from(wi.dot(z.at.ng).abs());
         let mis = &self.mis;
         // j = 0: the camera subpath goes on and hits the light. h(1/d²) is left out throughout.
         let hit = if light.is_delta() { 0.0 } else { mis.h(f64::from(value.pdf_fwd.0) * cos_light / pdf_direct) };
         // j ≥ 2: the light subpath starts here and goes on.
-        let emission = light.pdf_emission_position(&scene.geometry, y).0 * f64::from(pmf);
-        let direction = f64::from(light.pdf_emission_direction(y, -wi).0);
+        let emission = (light.pdf_emission_position(&scene.geometry, y) * pmf).0;
+        let direction = light.pdf_emission_direction(y, -wi).0;
         let behind = mis.behind(&z.partial, self.count_behind_camera(z.number), f64::from(value.pdf_rev.0));
         let started = mis.h(emission / pdf_direct * direction * cos_z) * behind;
         let scale = cos_light / pdf_direct * mis.weight_over_d2((hit + started) / mis.next_event, d2);
@@ -201,7 +219,7 @@ impl Bdpt {
         &self,
         scene: &Scene<A>,
         light: &Light,
-        y: &LightPoint,
+        y: &SurfacePoint,
         pdf_position: f64,
         recorder: &mut Recorder,
     ) {
@@ -221,16 +239,16 @@ impl Bdpt {
         &self,
         scene: &Scene<A>,
         light: &Light,
-        y: &LightPoint,
+        y: &SurfacePoint,
         pdf_position: f64,
     ) -> Option<(CameraSample, Rgb)> {
         let lens = scene.camera.sample_lens(y.p())?;
-        let le = light.emitted(y, lens.wi);
+        let le = light.emitted(&LightPoint::Surface(*y), lens.wi);
         if le == Rgb::ZERO {
             return None;
         }
         let d2 = distance_squared(y.p(), scene.camera.position());
-        let seen = f64::from(lens.pdf.0) * f64::from(y.cos(lens.wi).abs()) / pdf_position;
+        let seen = f64::from(lens.pdf.0) * f64::from(y.ng.dot(lens.wi).abs()) / pdf_position;
         // The one alternative is the camera ray that hits the light.
         let others = self.mis.h(seen) / self.mis.light_paths;
         let scale = seen * self.mis.weight_over_d2(others, d2) / self.light_paths_per_pass;

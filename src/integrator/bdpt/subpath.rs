@@ -1,5 +1,6 @@
 //! The two random walks.
 
+use super::connect::EmitterHit;
 use super::mis::{Departure, LightStart};
 use super::{Bdpt, Vertex};
 use crate::accel::Accel;
@@ -7,16 +8,17 @@ use crate::bsdf::{BsdfSample, Transport};
 use crate::integrator::light::dimensions as light_dimensions;
 use crate::integrator::path::dimensions as camera_dimensions;
 use crate::integrator::{Recorder, Roulette};
+use crate::light::LightPoint;
 use crate::math::{Ray, Rgb, distance_squared};
 use crate::sampling::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Reached, Scene};
 
 impl Bdpt {
     /// Traces a light subpath, connects its vertices to the camera and keeps those that can be connected to.
     pub(super) fn walk_light<A: Accel>(&mut self, scene: &Scene<A>, mut sampler: Sampler, recorder: &mut Recorder) {
         let Some(choice) = &scene.light_choice else { return };
         recorder.rays.light_paths += 1;
-        let (id, pmf) = choice.sample(sampler.next_f64());
+        let (id, pmf) = choice.sample_emission(sampler.next_f64());
         let light = &scene.lights[id as usize];
         sampler.set_dimension(light_dimensions::PART);
         let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
@@ -24,26 +26,20 @@ impl Bdpt {
         let (u_point, u_direction) = (sampler.next_2d(), sampler.next_2d());
         let Some(emission) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };
         let pdf_position = (emission.pdf_position * pmf).0;
-        if !light.is_delta() {
-            self.connect_light_to_camera(scene, light, &emission.point, pdf_position, recorder);
+        // A delta light has no area to be seen, an environment no place.
+        if let LightPoint::Surface(at) = &emission.point {
+            self.connect_light_to_camera(scene, light, at, pdf_position, recorder);
         }
         if self.settings.max_bounces == 0 {
             return;
         }
 
-        let cos = f64::from(emission.point.cos(emission.w).abs());
-        let pdf_direction = f64::from(emission.pdf_direction.0);
-        let direct = (light.pdf_direct(&scene.geometry, &emission.point) * pmf).0;
-        let start = LightStart {
-            pdf_position,
-            pdf_direction,
-            direct_over_emission: direct / pdf_position,
-            cos: if light.is_delta() { 0.0 } else { cos },
-        };
+        let cos = emission.point.cos(emission.w);
+        let pdf_direction = emission.pdf_direction.0;
         let mut beta = emission.le * (cos / (pdf_position * pdf_direction)) as f32;
         let mut roulette = self.settings.roulette(beta);
-        let mut from = emission.point.p();
-        let mut ray = Ray::new(emission.point.origin(emission.w), emission.w);
+        let mut ray = Ray::new(emission.origin, emission.w);
+        let mut from = ray.o;
         let mut departure: Option<Departure> = None;
         let mut number = 2;
         while number - 1 <= self.settings.max_bounces {
@@ -54,10 +50,23 @@ impl Bdpt {
             if cos_in == 0.0 || !arrival.surface.bsdf.scatters() {
                 return;
             }
-            let d2 = distance_squared(from, at.p());
             let partial = match &departure {
-                None => self.mis.arrive_from_light(&start, d2, cos_in, !arrival.through_window),
-                Some(departure) => self.mis.arrive(departure, d2, cos_in, !arrival.through_window),
+                None => {
+                    // Only from here is it known with which density next-event estimation would have found the light.
+                    let pmf = choice.pmf_direct(at.p(), id);
+                    let direct = (light.pdf_direct(&scene.geometry, at.p(), &emission.point) * pmf).0;
+                    let start = LightStart {
+                        pdf_position,
+                        pdf_direction,
+                        direct_over_emission: direct / pdf_position,
+                        cos: if light.is_delta() { 0.0 } else { cos },
+                    };
+                    let d2 = emission.point.distance_squared(at.p());
+                    self.mis.arrive_from_light(&start, d2, cos_in, !arrival.through_window)
+                }
+                Some(departure) => {
+                    self.mis.arrive(departure, distance_squared(from, at.p()), cos_in, !arrival.through_window)
+                }
             };
             let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };
             if vertex.bsdf.is_connectible() {
@@ -99,9 +108,26 @@ impl Bdpt {
         let mut departure: Option<Departure> = None;
         let mut number = 2;
         loop {
-            let Some(arrival) = scene.arrive(ray, &mut recorder.rays.camera) else { return };
-            let at = arrival.at;
             let wo = -ray.d;
+            let arrival = match scene.follow(ray, &mut recorder.rays.camera) {
+                Reached::Surface(arrival) => arrival,
+                Reached::Infinity { through_window } => {
+                    if !scene.environments.is_empty() {
+                        // A point at infinity: no distance and no cosine belong to the edge.
+                        let partial = match &departure {
+                            None => self.mis.arrive_from_camera(f64::from(primary.pdf.0), 1.0, 1.0, !through_window),
+                            Some(departure) => self.mis.arrive(departure, 1.0, 1.0, !through_window),
+                        };
+                        let point = LightPoint::Infinite(ray.d);
+                        let hit = EmitterHit { point, wo, from, beta, partial, number };
+                        for &id in &scene.environments {
+                            self.hit_emitter(scene, id, &hit, recorder);
+                        }
+                    }
+                    return;
+                }
+            };
+            let at = arrival.at;
             let cos_in = f64::from(wo.dot(at.ng).abs());
             if cos_in == 0.0 {
                 return;
@@ -113,7 +139,8 @@ impl Bdpt {
             };
             let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };
             if let Some(id) = arrival.surface.light {
-                self.hit_emitter(scene, id, &vertex, recorder);
+                let hit = EmitterHit { point: LightPoint::Surface(at), wo, from, beta, partial, number };
+                self.hit_emitter(scene, id, &hit, recorder);
             }
             // Vertex `number` would scatter for the (number − 1)th time.
             if number - 1 > self.settings.max_bounces || !vertex.bsdf.scatters() {

@@ -16,13 +16,15 @@ use rayon::prelude::*;
 
 use paths::{FullPath, Inner, random_path, scene};
 
+use super::connect::EmitterHit;
 use super::mis::{Departure, LightStart, Mis, Partial};
 use super::{Bdpt, Vertex};
 use crate::accel::bvh::BvhAccel;
 use crate::bsdf::{Bsdf, Transport};
+use crate::geometry::SurfacePoint;
 use crate::integrator::{Crop, Settings};
 use crate::light::LightPoint;
-use crate::math::{Rgb, Vec3, distance_squared};
+use crate::math::{Rgb, Vec3};
 use crate::scene::Scene;
 use crate::scene::desc::Heuristic;
 
@@ -89,19 +91,17 @@ impl Judge<'_> {
         let scene = self.scene;
         let k = path.inner.len() + 1; // the camera's index
         let light = &scene.lights[path.light as usize];
-        let pmf = scene.light_choice.as_ref()?.pmf(path.light).0;
-        let camera = scene.camera.position();
-        let p = |i: usize| match i {
-            0 => path.start.p(),
-            i if i == k => camera,
-            i => path.inner[i - 1].at.p(),
-        };
-        let dir = |i: usize, j: usize| (p(j) - p(i)).normalize();
-        let d2 = |i: usize| distance_squared(p(i), p(i + 1)); // edge i, i+1
+        let choice = scene.light_choice.as_ref()?;
+        let p = |i: usize| path.point(scene, i);
+        let dir = |i: usize, j: usize| path.direction(scene, i, j);
+        let d2 = |i: usize| path.distance_squared(scene, i); // edge i, i+1
         let cos_in = |i: usize, from: usize| match i {
-            0 => f64::from(path.start.cos(dir(0, from)).abs()),
+            0 => path.start.cos(dir(0, from)),
             i => f64::from(path.inner[i - 1].at.ng.dot(dir(i, from)).abs()),
         };
+        if light.is_infinite() && k == 1 {
+            return None; // Seen directly; no other technique makes that path.
+        }
         let le = light.emitted(&path.start, dir(0, 1));
         if le == Rgb::ZERO {
             return None;
@@ -112,9 +112,10 @@ impl Judge<'_> {
             return None;
         }
         let geometry = &scene.geometry;
-        let emission = (light.pdf_emission_position(geometry, &path.start).0) * f64::from(pmf);
-        let direct = (light.pdf_direct(geometry, &path.start).0) * f64::from(pmf);
-        let direction = f64::from(light.pdf_emission_direction(&path.start, dir(0, 1)).0);
+        let (pmf_emission, pmf_direct) = (choice.pmf_emission(path.light), choice.pmf_direct(p(1), path.light));
+        let emission = (light.pdf_emission_position(geometry, &path.start) * pmf_emission).0;
+        let direct = (light.pdf_direct(geometry, p(1), &path.start) * pmf_direct).0;
+        let direction = light.pdf_emission_direction(&path.start, dir(0, 1)).0;
 
         // Scattering in both directions of travel; index 0 unused.
         let mut from_light: Vec<Option<Scatter>> = vec![None];
@@ -192,12 +193,16 @@ impl Judge<'_> {
             let value = |b: &Bdpt| -> Option<Rgb> {
                 match s {
                     0 => {
-                        let z = camera_side(0);
-                        Some(b.evaluate_emitter(scene, light, &path.start, &z, pmf))
+                        let Vertex { wo, beta, partial, number, .. } = camera_side(0);
+                        let hit = EmitterHit { point: path.start, wo, from: p(1), beta, partial, number };
+                        Some(b.evaluate_emitter(scene, light, &hit, [pmf_emission, pmf_direct]))
                     }
-                    s if s == k && k == 1 => b.evaluate_light_in_lens(scene, light, &path.start, emission).map(|x| x.1),
+                    s if s == k && k == 1 => {
+                        let LightPoint::Surface(at) = &path.start else { return None };
+                        b.evaluate_light_in_lens(scene, light, at, emission).map(|x| x.1)
+                    }
                     s if s == k => b.evaluate_lens(scene, &light_side(k - 1)).map(|x| x.1),
-                    1 => b.evaluate_next_event(scene, light, &path.start, direct, pmf, &camera_side(1)),
+                    1 => b.evaluate_next_event(scene, light, &path.start, direct, pmf_emission, &camera_side(1)),
                     s => b.evaluate_connection(&light_side(s - 1), &camera_side(s)),
                 }
             };
@@ -225,14 +230,8 @@ impl Judge<'_> {
     ) -> (impl Fn(usize) -> Vertex + 'p, impl Fn(usize) -> Vertex + 'p) {
         let mis: Mis = self.weighted.mis;
         let light = &self.scene.lights[path.light as usize];
-        let camera = self.scene.camera.position();
-        let p = |i: usize| match i {
-            0 => path.start.p(),
-            i if i == k => camera,
-            i => path.inner[i - 1].at.p(),
-        };
-        let dir = |i: usize, j: usize| (p(j) - p(i)).normalize();
-        let cos0 = f64::from(path.start.cos(dir(0, 1)).abs());
+        let dir = |i: usize, j: usize| path.direction(self.scene, i, j);
+        let cos0 = path.start.cos(dir(0, 1));
 
         let mut lights: Vec<Vertex> = Vec::new();
         let mut beta = le * (cos0 / (emission * direction)) as f32;
@@ -241,7 +240,7 @@ impl Judge<'_> {
             let v = &path.inner[i - 1];
             let wo = dir(i, i - 1);
             let cos = f64::from(wo.dot(v.at.ng).abs());
-            let d2 = distance_squared(p(i), p(i - 1));
+            let d2 = path.distance_squared(self.scene, i - 1);
             let open = !path.windows[i - 1];
             let partial = match &departure {
                 None => {
@@ -270,12 +269,14 @@ impl Judge<'_> {
         for i in (0..k).rev() {
             let (at, bsdf) = match (i, &path.start) {
                 (0, LightPoint::Surface(at)) => (*at, Bsdf::Black),
+                // The vertex stands for a point at infinity: of its place only the cosine is asked for, 1.
+                (0, LightPoint::Infinite(toward)) => (SurfacePoint { ng: *toward, ..path.inner[0].at }, Bsdf::Black),
                 (0, LightPoint::Delta(_)) => break,
                 (i, _) => (path.inner[i - 1].at, path.inner[i - 1].bsdf),
             };
             let wo = dir(i, i + 1);
-            let cos = f64::from(wo.dot(at.ng).abs());
-            let d2 = distance_squared(p(i), p(i + 1));
+            let cos = if i == 0 { path.start.cos(wo) } else { f64::from(wo.dot(at.ng).abs()) };
+            let d2 = path.distance_squared(self.scene, i);
             let open = !path.windows[i];
             let partial: Partial = match &departure {
                 None => mis.arrive_from_camera(f64::from(*lens_pdf), d2, cos, open),

@@ -4,9 +4,10 @@ use crate::accel::bvh::BvhAccel;
 use crate::bsdf::{Bsdf, Transport};
 use crate::geometry::SurfacePoint;
 use crate::light::LightPoint;
-use crate::math::Ray;
+use crate::math::{DMat3, Ray, Vec3, distance_squared};
 use crate::sampling::{Sampler, SamplerKind, Stream};
-use crate::scene::{Scene, prepare};
+use crate::scene::desc::{InfiniteLightDesc, InfiniteLightKind, Place};
+use crate::scene::{Reached, Scene, prepare};
 
 /// A vertex between the light and the camera.
 #[derive(Clone, Copy, Debug)]
@@ -30,43 +31,71 @@ pub struct FullPath {
 }
 
 impl FullPath {
+    /// Where vertex `i` is; not asked for a light at infinity.
+    pub fn point(&self, scene: &Scene<BvhAccel>, i: usize) -> Vec3 {
+        match (i, &self.start) {
+            (0, LightPoint::Surface(s)) => s.p(),
+            (0, LightPoint::Delta(p)) => *p,
+            (0, LightPoint::Infinite(_)) => panic!("a point at infinity is nowhere"),
+            (i, _) if i == self.inner.len() + 1 => scene.camera.position(),
+            (i, _) => self.inner[i - 1].at.p(),
+        }
+    }
+
+    /// Unit direction from vertex `i` to vertex `j`.
+    pub fn direction(&self, scene: &Scene<BvhAccel>, i: usize, j: usize) -> Vec3 {
+        match (i, j, &self.start) {
+            (0, _, LightPoint::Infinite(toward)) => -*toward,
+            (_, 0, LightPoint::Infinite(toward)) => *toward,
+            _ => (self.point(scene, j) - self.point(scene, i)).normalize(),
+        }
+    }
+
+    /// Squared length of the edge between vertices `i` and `i + 1`; 1 from infinity.
+    pub fn distance_squared(&self, scene: &Scene<BvhAccel>, i: usize) -> f64 {
+        let next = self.point(scene, i + 1);
+        if i == 0 { self.start.distance_squared(next) } else { distance_squared(self.point(scene, i), next) }
+    }
+
     /// Relative error that the rounding of stored points causes at delta vertices: that of a direction is ε over the
     /// edge's length; Snell's law, cosθt² = 1 − (1 − cosθo²)/η², hands it on to the other cosine as
     /// d cosθt/cosθt = cosθo d cosθo/(η² cosθt²).
     pub fn condition(&self, scene: &Scene<BvhAccel>) -> f64 {
-        let mut points = vec![self.start.p()];
-        points.extend(self.inner.iter().map(|v| v.at.p()));
-        points.push(scene.camera.position());
         let mut sum = 0.0;
-        for (i, v) in self.inner.iter().enumerate().filter(|(_, v)| !v.bsdf.is_connectible()) {
-            for end in [points[i], points[i + 2]] {
-                let edge = end - v.at.p();
-                let cos = f64::from(edge.normalize().dot(v.at.ng).abs());
-                sum += f64::from(f32::EPSILON) / (f64::from(edge.length()) * cos * cos);
+        for (i, v) in (1..).zip(&self.inner).filter(|(_, v)| !v.bsdf.is_connectible()) {
+            for (end, edge) in [(i - 1, i - 1), (i + 1, i)] {
+                let cos = f64::from(self.direction(scene, i, end).dot(v.at.ng).abs());
+                sum += f64::from(f32::EPSILON) / (self.distance_squared(scene, edge).sqrt() * cos * cos);
             }
         }
         sum
     }
 }
 
+/// The vertices of a walk and, if it left the scene, in which direction and whether through a window.
+struct Walk {
+    vertices: Vec<Inner>,
+    escape: Option<(Vec3, bool)>,
+}
+
 /// Walks on from a ray, keeping every vertex.
-fn walk(
-    scene: &Scene<BvhAccel>,
-    mut ray: Ray,
-    transport: Transport,
-    sampler: &mut Sampler,
-    longest: usize,
-) -> Vec<Inner> {
-    let mut out = Vec::new();
-    while out.len() < longest {
-        let Some(arrival) = scene.arrive(ray, &mut 0) else { break };
+fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &mut Sampler, longest: usize) -> Walk {
+    let mut out = Walk { vertices: Vec::new(), escape: None };
+    while out.vertices.len() < longest {
+        let arrival = match scene.follow(ray, &mut 0) {
+            Reached::Surface(arrival) => arrival,
+            Reached::Infinity { through_window } => {
+                out.escape = Some((ray.d, through_window));
+                break;
+            }
+        };
         let v = Inner {
             at: arrival.at,
             bsdf: arrival.surface.bsdf,
             light: arrival.surface.light,
             through_window: arrival.through_window,
         };
-        out.push(v);
+        out.vertices.push(v);
         let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
         let Some(s) = v.bsdf.sample(&v.at, -ray.d, lobe, u, transport) else { break };
         ray = Ray::new(v.at.origin(s.wi), s.wi);
@@ -74,7 +103,7 @@ fn walk(
     out
 }
 
-/// A box with an area light, a spot and a point light, a mirror, a glass sphere, a curved mesh and a window.
+/// An open box with an area light, a spot and a point light, a sky and a sun, a mirror, a glass sphere, a curved mesh and a window.
 const SCENE: &str = r#"{
  "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], "vfov": 50},
  "materials": [
@@ -100,33 +129,51 @@ const SCENE: &str = r#"{
  ],
  "lights": [
   {"type": "point", "position": [0.9, 0.8, 0.7], "intensity": [2, 3, 4]},
+  {"type": "directional", "direction": [0.3, -0.5, -1], "irradiance": [0.3, 0.2, 0.1]},
+  {"type": "constant", "radiance": [0.02, 0.03, 0.04]},
   {"type": "spot", "position": [-0.5, 1.1, 0.9], "at": [0, -1, 0], "intensity": 9, "inner_angle": 20, "outer_angle": 45}
  ]
 }"#;
 
 /// That box, prepared, on the pure-Rust BVH.
 pub fn scene() -> Scene<BvhAccel> {
-    let desc = crate::import::scene_from_str(SCENE, "oracle.json", std::path::Path::new(".")).expect("valid scene");
+    let mut desc = crate::import::scene_from_str(SCENE, "oracle.json", std::path::Path::new(".")).expect("valid scene");
+    // A coarse sky, some of it black, with texels between which the density varies a hundredfold.
+    let texel = |i: u32| {
+        if i % 5 == 0 { [0.0; 3] } else { [0.002, 0.02, 0.2].map(|x| x * (0.1 + f64::from(i * 7 % 11)) as f32) }
+    };
+    let texels = (0..32).map(texel).collect();
+    let transform = DMat3::from_rotation_z(0.7) * DMat3::from_rotation_x(0.3);
+    let kind = InfiniteLightKind::Image { size: [8, 4], texels, transform };
+    desc.infinite_lights.push(InfiniteLightDesc { kind, at: Place::default() });
     Scene::build(prepare(&desc).expect("preparable"), Default::default()).expect("buildable")
 }
 
 /// The vertices of a random light and a random camera subpath, joined at a random pair.
 pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
     let mut u = Sampler::new(SamplerKind::Independent, 77, 0, Stream::Light(0), index);
-    let (light, _) = scene.light_choice.as_ref()?.sample(u.next_f64());
+    let (light, _) = scene.light_choice.as_ref()?.sample_emission(u.next_f64());
     let emission =
         scene.lights[light as usize].sample_emission(&scene.geometry, u.next_f64(), u.next_2d(), u.next_2d())?;
-    let ray = Ray::new(emission.point.origin(emission.w), emission.w);
-    let mut light_walk = walk(scene, ray, Transport::Importance, &mut u, 5);
+    let ray = Ray::new(emission.origin, emission.w);
+    let mut light_walk = walk(scene, ray, Transport::Importance, &mut u, 5).vertices;
     let pixel = [(u.next_1d() * 32.0) as u32, (u.next_1d() * 24.0) as u32];
     let ray = scene.camera.generate_ray(pixel, u.next_2d()).ray;
-    let mut camera_walk = walk(scene, ray, Transport::Radiance, &mut u, 5);
+    let Walk { vertices: mut camera_walk, escape } = walk(scene, ray, Transport::Radiance, &mut u, 5);
     if camera_walk.is_empty() {
         return None;
     }
-    camera_walk.truncate(1 + (u.next_1d() * camera_walk.len() as f32) as usize);
     // A third of the paths end on an emitter that the camera walk hit.
-    if u.next_1d() < 0.33 {
+    let by_chance = u.next_1d() < 0.33;
+    if let (true, Some((toward, through_window))) = (by_chance, escape) {
+        let environments = &scene.environments;
+        let light = environments[(u.next_1d() * environments.len() as f32) as usize];
+        let windows = [through_window].into_iter().chain(camera_walk.iter().rev().map(|v| v.through_window)).collect();
+        let inner = camera_walk.into_iter().rev().collect();
+        return Some(FullPath { light, start: LightPoint::Infinite(toward), inner, windows });
+    }
+    camera_walk.truncate(1 + (u.next_1d() * camera_walk.len() as f32) as usize);
+    if by_chance {
         let hit = camera_walk.iter().position(|v| v.light.is_some())?;
         camera_walk.truncate(hit + 1);
         let end = camera_walk.pop()?;
