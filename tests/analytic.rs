@@ -11,6 +11,8 @@ mod area_lights;
 mod delta_lights;
 #[path = "analytic/enclosures.rs"]
 mod enclosures;
+#[path = "analytic/infinite_lights.rs"]
+mod infinite_lights;
 #[path = "analytic/specular.rs"]
 mod specular;
 #[path = "analytic/uniform_wall.rs"]

@@ -5,13 +5,14 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{DefaultAccel, Random, render_once, scene, scene_on, settings};
+use common::{DefaultAccel, Random, prepared, render_once, scene, scene_on, settings};
 use serde_json::{Value, json};
 use twinlight::accel::bvh::BvhAccel;
 use twinlight::accel::{Accel, AccelOptions};
 use twinlight::geometry::{Geometry, GeometryKind};
 use twinlight::integrator::{Integrator, Settings, Technique};
 use twinlight::math::{Ray, Vec3};
+use twinlight::scene::Scene;
 
 /// Rays from random points of random triangles into the hemisphere above and below: none may meet its triangle.
 fn rays_leave_their_triangles<A: Accel>(random: &mut Random) {
@@ -105,6 +106,36 @@ fn a_corner_at_the_centre_loses_no_light() {
     let a = render_once(&scene(&file), direct, 16, None).image.mean()[0];
     let b = render_once(&scene_on::<BvhAccel>(&file, AccelOptions::default()), direct, 16, None).image.mean()[0];
     assert!(a > 0.1 && (a / b - 1.0).abs() < 1e-4, "{a} {b}");
+}
+
+/// A surface whose plane holds the scene's centre, along an axis, has coordinates of exactly zero, and no error.
+#[test]
+fn a_plane_through_the_centre_loses_no_light() {
+    let sheet = |z: f64, size: f64, material: Value| json!({"type": "quad", "size": size, "transform": {"translate": [0, 0, z]}, "material": material});
+    let mean = |at_centre: bool, integrator| {
+        let white = || json!({"type": "lambertian", "albedo": 0.8, "two_sided": true});
+        let mut shining = white();
+        shining["emit"] = json!(5);
+        shining["emit_two_sided"] = json!(true);
+        let mut surfaces = vec![sheet(0.0, 1.0, shining), sheet(0.9, 2.0, white()), sheet(-0.9, 2.0, white())];
+        if !at_centre {
+            // Out of everybody's sight.
+            surfaces.push(sheet(-1.1, 0.1, json!({"type": "lambertian", "albedo": 0})));
+        }
+        let file = json!({
+            "camera": {"transform": {"from": [0.3, 0.9, 0.7], "at": [0, 0, 0]}, "vfov": 30, "resolution": [4, 4]},
+            "surfaces": surfaces
+        });
+        let prepared = prepared(&file);
+        assert_eq!(prepared.center.z == 0.0, at_centre);
+        let scene: Scene<DefaultAccel> = Scene::build(prepared, AccelOptions::default()).expect("buildable");
+        render_once(&scene, settings(integrator, 3), 1024, None).image.mean()[0]
+    };
+    for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Light] {
+        let (at_centre, elsewhere) = (mean(true, integrator), mean(false, integrator));
+        let tolerance = if integrator == Integrator::Light { 0.05 } else { 0.005 };
+        assert!((at_centre / elsewhere - 1.0).abs() < tolerance, "{integrator:?}: {at_centre} and {elsewhere}");
+    }
 }
 
 /// A room of which a point light touches the ceiling.

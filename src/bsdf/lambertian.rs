@@ -57,7 +57,8 @@ pub(super) fn eval(
     let n = facing_normal(two_sided, at, wo)?;
     let cos = wi.dot(n);
     let same_side = at.flat || (wi.dot(at.ng) > 0.0) == (wo.dot(at.ng) > 0.0);
-    if cos <= 0.0 || !same_side {
+    // Written so that a NaN is no reflection either.
+    if !(cos > 0.0 && same_side) {
         return None;
     }
     Some(BsdfValue {

@@ -1,17 +1,20 @@
 //! Exact sums: the image has the same bits for any number of threads and any order of tiles.
 //!
 //! Floating-point addition is not associative, integer addition is. What a sample adds to its own pixel (summed in the
-//! sample's fixed order) and every splat is rounded once to a multiple of a quantum 2ᵉ, and sums are 128-bit integers. The quantum follows the scene's brightest emission alone, so that
-//! emission × 2ᵏ shifts every sum exactly. 2¹²⁸ quanta leave room for 10⁷ samples per pixel of light 2⁴⁷ times as
-//! bright as the brightest emitter (a point light of intensity I makes a surface at distance r shine with ρI/πr²); more
-//! than that is counted as an overflow, never wrapped.
+//! sample's fixed order) and every splat is rounded once to a multiple of a quantum 2ᵉ, and sums are 128-bit integers.
+//!
+//! The quantum is 2⁻⁵⁶ of the light that the scene's lights may be expected to throw on a surface (`Light::brightness`),
+//! and follows nothing else, so that emission × 2ᵏ shifts every sum exactly. A contribution may exceed it 2⁴⁷ times: that
+//! much brighter may a lamp be than what it lights, and a point light of intensity I makes a surface at distance r shine
+//! with ρI/πr². What is larger is counted as an overflow and left out. The sum holds 2²⁴ contributions of that largest
+//! size in one pixel, and as many more as they are smaller.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::Image;
 use crate::math::Rgb;
 
-/// The brightest emission is this many powers of two above the quantum.
+/// The light to be expected is this many powers of two above the quantum.
 const BITS_BELOW_EMISSION: i32 = 56;
 
 /// Contributions beyond this many quanta are overflows: 2²⁴ of them, all on one pixel, still fit.
@@ -46,7 +49,7 @@ impl std::ops::AddAssign for Quanta {
 }
 
 impl Accumulator {
-    /// An empty sum for an image whose brightest emission (radiance or intensity, any channel) is `emission`.
+    /// An empty sum for an image of a scene whose lights throw light of about `emission` (any channel).
     pub fn new(width: u32, height: u32, emission: f32) -> Self {
         // The exponent field of the f64, in which every positive f32 is normal: exact, as a logarithm is not.
         let exponent = if emission > 0.0 && emission.is_finite() {

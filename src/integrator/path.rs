@@ -73,7 +73,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
             }
             let w = match pdf_last {
                 Some(p) if !through_window => {
-                    let edge = point.edge_from(from);
+                    let Some(edge) = point.edge_from(from) else { return };
                     let q = (light.pdf_direct(&scene.geometry, from, &point) * choice.pmf_direct(from, id)).0;
                     // Densities at the light, both times d².
                     weight(settings, p * edge.cos, q * edge.d2)
@@ -108,8 +108,9 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
             let light = &scene.lights[id as usize];
             let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
             sampler.set_dimension(block + dimensions::LIGHT_POINT);
-            if let Some(y) = light.sample_direct(&scene.geometry, at.p(), part, sampler.next_2d()) {
-                let LightEdge { wi, d2, cos } = y.point.edge_from(at.p());
+            let y = light.sample_direct(&scene.geometry, at.p(), part, sampler.next_2d());
+            if let Some((y, edge)) = y.and_then(|y| Some((y, y.point.edge_from(at.p())?))) {
+                let LightEdge { wi, d2, cos } = edge;
                 let le = light.emitted(&y.point, -wi);
                 let value = if le == Rgb::ZERO { None } else { bsdf.eval(at, wo, wi, Transport::Radiance) };
                 if let Some(value) = value {

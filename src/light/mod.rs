@@ -101,15 +101,18 @@ impl Light {
         }
     }
 
-    /// The largest channel of what the light emits: radiance, intensity or irradiance.
-    pub fn brightest(&self) -> f32 {
-        match self {
+    /// What a pixel may be expected to hold of the light at most, but for the light itself: the largest channel of its
+    /// radiance, intensity or irradiance, or of its power (in a scene of about unit size) where that is less, as it is for
+    /// a small emitter.
+    pub fn brightness(&self) -> f32 {
+        let emitted = match self {
             Self::Area(l) => l.radiance.max_element(),
             Self::Point(l) => l.intensity.max_element(),
             Self::Spot(l) => l.intensity.max_element(),
             Self::Directional(l) => l.irradiance.max_element(),
             Self::Environment(l) => l.brightest(),
-        }
+        };
+        emitted.min(self.power().max_element())
     }
 
     /// Whether the light has parts to choose among, so that `u_part` below is used.

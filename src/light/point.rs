@@ -27,17 +27,20 @@ pub struct LightEdge {
 }
 
 impl LightPoint {
-    /// The edge that leads here from `from`.
+    /// The edge that leads here from `from`; `None` from here itself, whence no direction leads.
     #[inline]
-    pub fn edge_from(&self, from: Vec3) -> LightEdge {
-        match self {
-            Self::Surface(s) => {
-                let wi = (s.p() - from).normalize();
-                LightEdge { wi, d2: distance_squared(from, s.p()), cos: f64::from(s.ng.dot(wi).abs()) }
-            }
-            Self::Delta(p) => LightEdge { wi: (*p - from).normalize(), d2: distance_squared(from, *p), cos: 1.0 },
-            Self::Infinite(toward) => LightEdge { wi: *toward, d2: 1.0, cos: 1.0 },
+    pub fn edge_from(&self, from: Vec3) -> Option<LightEdge> {
+        let (p, ng) = match self {
+            Self::Surface(s) => (s.p(), Some(s.ng)),
+            Self::Delta(p) => (*p, None),
+            Self::Infinite(toward) => return Some(LightEdge { wi: *toward, d2: 1.0, cos: 1.0 }),
+        };
+        let d2 = distance_squared(from, p);
+        if d2 == 0.0 {
+            return None;
         }
+        let wi = (p - from).normalize();
+        Some(LightEdge { wi, d2, cos: ng.map_or(1.0, |n| f64::from(n.dot(wi).abs())) })
     }
 
     /// Squared length of the edge from here to `to`; 1 from infinity.

@@ -21,6 +21,11 @@ pub struct PointWithError {
     pub error: Vec3,
 }
 
+/// The least distance an origin is moved, render space, where the whole scene is about one unit large. A plane through
+/// the origin of the coordinates along an axis is known without error, and a bound of nothing would leave the ray on it:
+/// the next float above zero is one that the processor takes for zero.
+const LEAST_OFFSET: f32 = 1.0 / (1u64 << 40) as f32;
+
 /// Moves a surface point along its geometric normal to the side of `towards`, just far enough that neither the
 /// point's own error nor the traversal's lets a ray that starts there meet the surface again
 /// (Pharr, Jakob, Humphreys 2023, "Physically Based Rendering", 4th ed., §6.8.6).
@@ -28,7 +33,7 @@ pub struct PointWithError {
 /// `ng` is a unit vector; `towards` any vector on the side to leave to.
 #[inline]
 pub fn offset_origin(point: PointWithError, ng: Vec3, towards: Vec3) -> Vec3 {
-    let distance = ng.abs().dot(point.error);
+    let distance = ng.abs().dot(point.error) + LEAST_OFFSET;
     let n = if ng.dot(towards) < 0.0 { -ng } else { ng };
     let moved = point.p + n * distance;
     // Round each coordinate away from the surface, so that the sum's own rounding cannot undo the offset.
@@ -72,6 +77,15 @@ mod tests {
         let n = Vec3::new(0.6, 0.0, 0.8);
         assert!((offset_origin(point, n, n) - point.p).dot(n) > 0.0);
         assert!((offset_origin(point, n, -n) - point.p).dot(n) < 0.0);
+    }
+
+    #[test]
+    fn a_plane_without_error_is_left_by_more_than_the_processor_flushes() {
+        let point = PointWithError { p: Vec3::new(0.3, 0.0, 0.5), error: Vec3::new(1e-6, 0.0, 1e-6) };
+        for side in [Vec3::Y, -Vec3::Y] {
+            let y = offset_origin(point, Vec3::Y, side).y * side.y;
+            assert!((f32::MIN_POSITIVE..1e-11).contains(&y), "{y}");
+        }
     }
 
     #[test]

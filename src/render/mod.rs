@@ -144,7 +144,7 @@ impl Totals {
 
 impl<'a, A: Accel> Run<'a, A> {
     fn new(scene: &'a Scene<A>, job: &'a RenderJob, progress: &'a (dyn Fn(Progress) -> bool + Sync)) -> Self {
-        let emission = scene.lights.iter().map(Light::brightest).fold(0.0, f32::max);
+        let emission = scene.lights.iter().map(Light::brightness).fold(0.0, f32::max);
         let splats = SampleLoop::new(scene, job.settings).splats();
         Self {
             scene,

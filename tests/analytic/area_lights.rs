@@ -257,7 +257,7 @@ fn hidden_by_itself<A: Accel>(json: &Value, random: &mut Random) -> usize {
     for _ in 0..4000 {
         let [part, u, v] = [0; 3].map(|_| (random.uniform() as f32).min(1.0 - f32::EPSILON / 2.0));
         let Some(y) = light.sample_direct(&scene.geometry, at.p(), f64::from(part), [u, v]) else { continue };
-        let edge = y.point.edge_from(at.p());
+        let Some(edge) = y.point.edge_from(at.p()) else { continue };
         let wi = edge.wi;
         // Beyond grazing angles by rounding it would be the receiver or the light's back.
         let faces = wi.dot(at.ng) > 1e-3 && edge.cos > 1e-3;

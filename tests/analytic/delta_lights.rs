@@ -216,7 +216,7 @@ fn a_spot_emits_its_flux_with_zero_variance() {
                 assert!(u[0] > 1.0 - 1e-6, "{spot:?}, u = {u:?}: nothing is emitted");
                 continue;
             };
-            let carried = f64::from(e.le.x) / f64::from(e.pdf_direction.0);
+            let carried = f64::from(e.le.x) / e.pdf_direction.0;
             assert!((carried / flux - 1.0).abs() < 1e-5, "{spot:?}, u = {u:?}: {carried} for {flux}");
             // And the direction is where the format says light goes.
             let cos = f64::from(e.w.dot(prepared.axis()));

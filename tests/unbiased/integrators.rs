@@ -241,7 +241,7 @@ fn glass_and_mirrors_by_path_and_bdpt() {
     );
 }
 
-const DEEP: Pooled = Pooled { length: 0.005, whole: 0.003 };
+const DEEP: Pooled = Pooled { length: 0.003, whole: 0.003 };
 
 /// Closely for each scene by itself, and for the common bias of all.
 fn deep() -> Bounds {
@@ -268,5 +268,6 @@ fn many_diffuse_scenes_by_light_and_bdpt() {
 fn many_scenes_with_glass_and_mirrors() {
     let (scenes, bounds) = (scenes(8, 8200, true), Bounds::new([2, 2], 0.6, 0.12));
     let both = [Integrator::Path, Integrator::Bdpt];
-    agree("specular, path = bdpt", &scenes, both, [1 << 16, 1 << 15], bounds, DEEP, 1200);
+    let pooled = Pooled { length: 0.01, whole: 0.003 };
+    agree("specular, path = bdpt", &scenes, both, [1 << 16, 1 << 15], bounds, pooled, 1200);
 }

@@ -127,15 +127,14 @@ impl Accel for BvhAccel {
 
     fn intersect_delta(&self, ray: &Ray) -> Option<DeltaHit> {
         let prepared = PreparedRay::new(ray)?;
-        let mut segment = Ray { tmin: prepared.tmin, ..*ray };
+        let segment = Ray { tmin: prepared.tmin, ..*ray };
         let mut best: Option<DeltaHit> = None;
         self.delta_points.traverse::<false>(&prepared, ray.tmax, |leaf, tmax| {
+            // Against the whole segment: its ε reaches past a shortened end, and a point beyond would be moved to it.
             if let Some(t) = self.geometry.delta_points[leaf as usize].intersect(&segment) {
-                // The point's ε reaches past the segment's end, so a later one may report the same t: keep the first
-                // in the file, whatever the order of traversal.
+                // Of several in one place the first in the file, whatever the order of traversal.
                 if best.is_none_or(|b| (t, leaf) < (b.t, b.point)) {
                     *tmax = t;
-                    segment.tmax = t;
                     best = Some(DeltaHit { t, point: leaf });
                 }
             }

@@ -130,7 +130,7 @@ impl Bdpt {
         pmf: Pmf,
         z: &Vertex,
     ) -> Option<Rgb> {
-        let LightEdge { wi, d2, cos: cos_light } = y.edge_from(z.at.p());
+        let LightEdge { wi, d2, cos: cos_light } = y.edge_from(z.at.p())?;
         let le = light.emitted(y, -wi);
         if le == Rgb::ZERO {
             return None;
@@ -169,10 +169,14 @@ impl Bdpt {
     /// The weighted contribution of a connection, visibility left out; `None` where it is zero.
     #[inline]
     pub(super) fn evaluate_connection(&self, y: &Vertex, z: &Vertex) -> Option<Rgb> {
+        let d2 = distance_squared(y.at.p(), z.at.p());
+        // Two points on one place of the f32 lattice have no direction to each other.
+        if d2 == 0.0 {
+            return None;
+        }
         let wi = (y.at.p() - z.at.p()).normalize();
         let at_z = z.bsdf.eval(&z.at, z.wo, wi, Transport::Radiance)?;
         let at_y = y.bsdf.eval(&y.at, y.wo, -wi, Transport::Importance)?;
-        let d2 = distance_squared(y.at.p(), z.at.p());
         let (cos_y, cos_z) = (f64::from(wi.dot(y.at.ng).abs()), f64::from(wi.dot(z.at.ng).abs()));
         let mis = &self.mis;
         // Technique s−1 would find y from z, technique s+1 z from y; h(1/d²) is left out of both.

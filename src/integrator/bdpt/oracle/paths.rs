@@ -103,7 +103,7 @@ fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &m
     out
 }
 
-/// An open box with an area light, a spot and a point light, a sky and a sun, a mirror, a glass sphere, a curved mesh and a window.
+/// An open box with an area light, a spot and a point light, a sky and a sun, a mirror, something that shines within glass, a glass sphere, a curved mesh and a window.
 const SCENE: &str = r#"{
  "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], "vfov": 50},
  "materials": [
@@ -121,6 +121,7 @@ const SCENE: &str = r#"{
   {"type": "quad", "size": 4, "transform": [{"rotate": [90, 0, 1, 0]}, {"translate": [-1.6, 0, 0]}], "material": "mirror"},
   {"type": "quad", "size": 4, "transform": [{"rotate": [-90, 0, 1, 0]}, {"translate": [1.6, 0, 0]}], "material": "white"},
   {"type": "sphere", "radius": 0.5, "transform": {"translate": [0.5, -0.4, 0.3]}, "material": "glass"},
+  {"type": "sphere", "radius": 0.2, "transform": {"translate": [0.5, -0.4, 0.3]}, "material": "glow"},
   {"type": "quad", "size": 1.2, "transform": {"translate": [-0.6, 0.2, 0.4]}, "material": "window"},
   {"type": "triangle", "positions": [[-1.2, -1, -0.8], [0, -0.8, -1], [-0.6, 0.4, -0.9]],
    "normals": [[-0.4, 0, 1], [0.5, 0.1, 1], [0, 0.5, 1]], "material": "white"},
