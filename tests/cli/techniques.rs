@@ -73,6 +73,7 @@ fn what_a_pyramid_holds_is_told_and_its_sheet_can_be_read() {
         .map(|(edges, factor)| (edges.parse().unwrap(), factor.parse().unwrap()))
         .collect();
     assert_eq!(rows.iter().map(|row| row.0).collect::<Vec<u32>>(), [1, 2, 3]);
+    assert!(rows.is_sorted_by_key(|row| row.1), "{line}");
     let sheet = folder.image("P/pyramid.png");
     for (edges, factor) in rows {
         assert!(factor >= 1.0 && factor.log2().fract() == 0.0, "{factor}");
