@@ -43,7 +43,7 @@ pub struct RenderArgs {
     #[arg(short, long = "output", value_name = "OUT")]
     pub output: Vec<PathBuf>,
     /// Samples per pixel [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1, u32::MAX))]
     pub spp: Option<u32>,
     /// Integrator [default: the scene's]
     #[arg(long, value_name = "X")]
@@ -52,13 +52,13 @@ pub struct RenderArgs {
     #[arg(long, value_name = "X", default_value = AccelArg::DEFAULT)]
     pub accel: AccelArg,
     /// Threads to build and to render with [default: one per logical processor]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1, 4096))]
     pub threads: Option<u32>,
     /// Seed of everything random [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = seed)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub seed: Option<u64>,
     /// Largest number of scattering events on a path; 0 is emitted light only, 1 direct light [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(0, 1_000_000))]
     pub max_bounces: Option<u32>,
     /// Image size in pixels [default: the scene's]
     #[arg(long, value_name = "WxH")]
@@ -66,7 +66,7 @@ pub struct RenderArgs {
     /// Render these pixels only; the ends are exclusive
     #[arg(long, value_name = "x0,y0,x1,y1")]
     pub crop: Option<CropArg>,
-    /// Write times, ray counts and settings as JSON
+    /// Write times, ray counts and settings as JSON; - is standard output
     #[arg(long, value_name = "FILE.json")]
     pub stats: Option<PathBuf>,
     /// Say nothing but errors
@@ -85,13 +85,19 @@ pub struct RenderArgs {
     #[arg(long)]
     pub no_roulette: bool,
     /// Let the first N scatterings of a subpath be free of roulette [default: 3 for path, 2 for bdpt and light]
-    #[arg(long, value_name = "N", conflicts_with = "no_roulette")]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = whole(0, u32::MAX),
+        conflicts_with = "no_roulette"
+    )]
     pub roulette_after: Option<u32>,
     /// Light subpaths per camera sample (bdpt, light); 0 turns bdpt into path tracing [default: 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(0, 1024))]
     pub light_paths: Option<u32>,
     /// How many of them each camera vertex connects to (bdpt) [default: 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(0, 1024))]
     pub connections: Option<u32>,
     /// Render one technique alone: s light vertices, t camera vertices (the camera's own included)
     #[arg(long, value_name = "s,t")]
@@ -99,11 +105,18 @@ pub struct RenderArgs {
     /// Leave out the MIS weights (with --technique)
     #[arg(long, requires = "technique")]
     pub unweighted: bool,
-    /// Write an image per technique, weighted, and a sheet of them all into this folder
+    /// Write an image per technique, weighted, and a sheet of them all into this folder; those of an earlier run that
+    /// are not written again are removed
     #[arg(long, value_name = "DIR")]
     pub pyramid: Option<PathBuf>,
     /// Longest paths of the pyramid, in edges [default: 6]
-    #[arg(long, value_name = "N", requires = "pyramid", value_parser = clap::value_parser!(u32).range(1..=64))]
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "pyramid",
+        allow_negative_numbers = true,
+        value_parser = whole(1, 64)
+    )]
     pub pyramid_edges: Option<u32>,
 }
 
@@ -125,7 +138,8 @@ pub struct CompareArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
-    /// Write a picture of the signed difference: red where the image is brighter, blue where it is darker
+    /// Write a picture of the signed difference, red where the image is brighter, blue where it is darker: mean over
+    /// 4×4 pixels, relative to the reference, ±10 % at full colour
     #[arg(long, value_name = "FILE.png")]
     pub difference: Option<PathBuf>,
 }
@@ -205,9 +219,21 @@ impl AccelArg {
     const DEFAULT: &'static str = if cfg!(feature = "embree") { "embree" } else { "bvh" };
 }
 
-/// A seed; the standard library's own message would not say what is allowed.
+/// A seed.
 fn seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("write it as a whole number from 0 to {}", u64::MAX))
+    text.parse().map_err(|_| not_whole(0, u64::MAX))
+}
+
+/// A whole number between bounds; the standard library's own messages would not say what is allowed.
+fn whole(least: u32, most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
+    move |text| match text.parse() {
+        Ok(n) if (least..=most).contains(&n) => Ok(n),
+        _ => Err(not_whole(least, most.into())),
+    }
+}
+
+fn not_whole(least: u32, most: u64) -> String {
+    format!("write it as a whole number, {least} or more (at most {most})")
 }
 
 /// An exposure: a number of stops.

@@ -1,12 +1,14 @@
 //! `twinlight compare`.
 
+use std::path::Path;
+
 use serde_json::json;
 
 use super::args::CompareArgs;
-use super::{Failure, print, same_file, status, tell};
+use super::{Failure, print, same_file, significant, status, tell};
 use crate::compare::{Metrics, metrics};
 use crate::film::Image;
-use crate::output::{self, Format, Metadata};
+use crate::output::{self, Format, Metadata, Window};
 
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(path) = &args.difference {
@@ -25,21 +27,76 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
             )));
         }
     }
-    let read = |path| output::read_image(path).map_err(Failure::image);
-    let (image, reference) = (read(&args.image)?, read(&args.reference)?);
+    let mut image = Placed::read(&args.image)?;
+    let mut reference = Placed::read(&args.reference)?;
+    // The place is told of the image that is the smaller one.
+    let cut = reference.cut_to(&image, &args.image).or_else(|| image.cut_to(&reference, &args.reference));
+    let (image, reference) = (image.image, reference.image);
     let m = metrics(&image, &reference).map_err(|e| Failure::new(status::DATA, e))?;
-    let notes = notes(args, &image, &reference);
+    let mut notes: Vec<String> = cut.into_iter().chain(notes(args, &image, &reference)).collect();
+    if let Some(path) = &args.difference {
+        let picture = difference(&image, &reference);
+        output::write_image(path, &picture, &Metadata::default(), 0.0).map_err(Failure::other)?;
+        notes.push(format!(
+            "{} shows means over {BLOCK}×{BLOCK} pixels, relative to the reference: red where the image is brighter, \
+             blue where it is darker, ±{FULL_COLOUR} % at full colour",
+            path.display()
+        ));
+    }
     if args.json {
         print(&format!("{:#}\n", to_json(&m, &notes)));
     } else {
         print(&to_text(&m));
         notes.iter().for_each(|note| tell(&format!("note: {note}\n")));
     }
-    if let Some(path) = &args.difference {
-        let picture = difference(&image, &reference);
-        output::write_image(path, &picture, &Metadata::default(), 0.0).map_err(Failure::other)?;
-    }
     Ok(())
+}
+
+/// An image and its place within the full one.
+struct Placed {
+    image: Image,
+    window: Window,
+}
+
+impl Placed {
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let (image, metadata) = output::read_image_and_metadata(path).map_err(Failure::image)?;
+        let whole = Window { full: [image.width, image.height], origin: [0, 0] };
+        Ok(Self { image, window: metadata.window.unwrap_or(whole) })
+    }
+
+    /// Column and row of the first pixel, and those after the last.
+    fn ends(&self) -> [[u32; 2]; 2] {
+        let ([x, y], image) = (self.window.origin, &self.image);
+        [[x, y], [x + image.width, y + image.height]]
+    }
+
+    /// Keeps what the crop `other`, the file of that name, shows as well, if both are parts of images of one size and
+    /// this one is the larger part. Returns what to tell of it.
+    fn cut_to(&mut self, other: &Self, name: &Path) -> Option<String> {
+        let ([start, end], [from, to]) = (self.ends(), other.ends());
+        let covered = (0..2).all(|axis| start[axis] <= from[axis] && to[axis] <= end[axis]);
+        if self.window.full != other.window.full || !covered || (start, end) == (from, to) {
+            return None;
+        }
+        let mut part = Image::new(other.image.width, other.image.height);
+        for (y, row) in part.rgb.chunks_exact_mut(part.width as usize).enumerate() {
+            let first = (from[1] - start[1] + y as u32) as usize * self.image.width as usize;
+            let first = first + (from[0] - start[0]) as usize;
+            row.copy_from_slice(&self.image.rgb[first..first + row.len()]);
+        }
+        *self = Self { image: part, window: other.window };
+        let [width, height] = other.window.full;
+        Some(format!(
+            "{} is a crop: compared over its pixels alone, {},{} to {},{} of {width} × {height} (ends exclusive); the \
+             place of `max` is counted from the crop's first pixel",
+            name.display(),
+            from[0],
+            from[1],
+            to[0],
+            to[1]
+        ))
+    }
 }
 
 /// What the figures do not show. A PNG beside an EXR has lost what does not fit into it.
@@ -78,18 +135,20 @@ fn to_json(m: &Metrics, notes: &[String]) -> serde_json::Value {
 }
 
 fn to_text(m: &Metrics) -> String {
-    let triple = |x: [f64; 3]| format!("{:.6} {:.6} {:.6}", x[0], x[1], x[2]);
+    let number = |x: f64, digits| significant(x, digits, -9..9);
+    // Means have to show differences of a hundredth of a percent.
+    let triple = |x: [f64; 3]| x.map(|x| number(x, 6)).join(" ");
     format!(
-        "mean        {}\nreference   {}\nratio       {}\nMSE         {:.4e}\nrelMSE      {:.4e}\n\
-         trimmed     {:.4e}  (relMSE without the worst 0.1 % of pixels)\nmax         {:.4e} at {},{}\n\
+        "mean        {}\nreference   {}\nratio       {}\nMSE         {}\nrelMSE      {}\n\
+         trimmed     {}  (relMSE without the worst 0.1 % of pixels)\nmax         {} at {},{}\n\
          non-finite  {} (reference {})\n",
         triple(m.mean_a),
         triple(m.mean_ref),
         triple(m.mean_ratio),
-        m.mse,
-        m.rel_mse,
-        m.rel_mse_trimmed,
-        m.max_abs,
+        number(m.mse, 4),
+        number(m.rel_mse, 4),
+        number(m.rel_mse_trimmed, 4),
+        number(m.max_abs, 4),
         m.max_at[0],
         m.max_at[1],
         m.non_finite_a,
@@ -100,7 +159,11 @@ fn to_text(m: &Metrics) -> String {
 /// Side of the blocks that noise is averaged over, so that structure shows.
 const BLOCK: u32 = 4;
 
-/// Signed relative difference of block means, ±10 % at full colour: red brighter, blue darker than the reference.
+/// Relative difference, in percent, that has full colour.
+const FULL_COLOUR: u32 = 10;
+
+/// Signed relative difference of block means over all channels: red brighter, blue darker than the reference. 0.01 added
+/// to the reference's sum of channels keeps it finite in the dark.
 fn difference(image: &Image, reference: &Image) -> Image {
     let mut out = Image::new(image.width, image.height);
     for y0 in (0..image.height).step_by(BLOCK as usize) {
@@ -113,7 +176,7 @@ fn difference(image: &Image, reference: &Image) -> Image {
                     r += reference.get(x, y).iter().sum::<f32>();
                 }
             }
-            let d = 10.0 * (a - r) / (r + 0.01 * ((x1 - x0) * (y1 - y0)) as f32);
+            let d = 100.0 / FULL_COLOUR as f32 * (a - r) / (r + 0.01 * ((x1 - x0) * (y1 - y0)) as f32);
             let color = [d.clamp(0.0, 1.0), 0.0, (-d).clamp(0.0, 1.0)];
             for y in y0..y1 {
                 for x in x0..x1 {

@@ -2,7 +2,7 @@
 
 use super::args::ConvertArgs;
 use super::{Failure, same_file};
-use crate::output::{self, Format, Metadata};
+use crate::output::{self, Format};
 
 pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     let format = output::check_writable(&args.output).map_err(Failure::usage)?;
@@ -15,7 +15,8 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
         let path = args.output.display();
         return Err(Failure::usage(format!("{path}: this is the image to convert; choose another name")));
     }
-    let image = output::read_image(&args.input).map_err(Failure::image)?;
+    // A crop stays one, and what made the image stays known: what a PNG cannot hold, writing one leaves out.
+    let (image, metadata) = output::read_image_and_metadata(&args.input).map_err(Failure::image)?;
     let exposure = args.exposure.unwrap_or(0.0);
-    output::write_image(&args.output, &image, &Metadata::default(), exposure).map_err(Failure::other)
+    output::write_image(&args.output, &image, &metadata, exposure).map_err(Failure::other)
 }

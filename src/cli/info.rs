@@ -25,7 +25,10 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
         accelerators: accelerators(),
         lights: prepared.lights.iter().map(|l| Lamp::of(l, &prepared)).collect(),
         skipped: prepared.needs.skipped(),
-        notes: desc.notes.iter().cloned().chain(prepared.warnings.iter().map(ToString::to_string)).collect(),
+        notes: (desc.notes.iter().cloned())
+            .chain(prepared.warnings.iter().map(ToString::to_string))
+            .chain(prepared.needs.missing().iter().map(ToString::to_string))
+            .collect(),
         desc: &desc,
         prepared: &prepared,
     };

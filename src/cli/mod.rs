@@ -97,14 +97,20 @@ fn count(n: usize, one: &str, many: &str) -> String {
 
 /// A number to four significant digits, without zeros that say nothing.
 fn figures(x: f64) -> String {
+    significant(x, 4, -4..5)
+}
+
+/// A number to so many significant digits, without zeros that say nothing; as a power of ten where its size is none of
+/// `plain`.
+fn significant(x: f64, digits: i32, plain: std::ops::Range<i32>) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{}", x + 0.0); // −0 is 0.
     }
-    let power = x.abs().log10().floor();
-    if !(-4.0..5.0).contains(&power) {
-        return format!("{x:.3e}");
+    let power = x.abs().log10().floor() as i32;
+    if !plain.contains(&power) {
+        return format!("{x:.*e}", digits as usize - 1);
     }
-    let text = format!("{x:.*}", (3.0 - power).max(0.0) as usize);
+    let text = format!("{x:.*}", (digits - 1 - power).max(0) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 

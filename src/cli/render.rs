@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use super::args::{AccelArg, RenderArgs};
 use super::progress::{Reporter, duration};
-use super::settings::{idle_options, name, override_desc, pyramid_edges, settings};
-use super::{Failure, pyramid, same_file, stats, status, tell};
+use super::settings::{black_technique, departures, idle_options, name, override_desc, pyramid_edges, settings};
+use super::{Failure, print, pyramid, same_file, stats, status, tell};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
 use crate::accel::embree::EmbreeAccel;
@@ -57,7 +57,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
     // A scene that turns out to be bad is told about its errors alone.
-    for note in desc.notes.iter().chain(&idle_options(&settings, args)) {
+    for note in desc.notes.iter().chain(&idle_options(&settings, args)).chain(&black_technique(&settings, &prepared)) {
         say(args, &format!("note: {note}"));
     }
     for warning in &prepared.warnings {
@@ -88,7 +88,8 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
         name.push(".exr");
         outputs.push(name.into());
     }
-    let all: Vec<&PathBuf> = outputs.iter().chain(&args.stats).collect();
+    let stats = stats_file(args);
+    let all: Vec<&PathBuf> = outputs.iter().chain(stats).collect();
     for (i, path) in all.iter().enumerate() {
         let path_is = |what: &str| Err(Failure::usage(format!("{}: {what}; choose another name", path.display())));
         if same_file(path, &args.scene) {
@@ -101,7 +102,7 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
     for path in &outputs {
         output::check_writable(path).map_err(Failure::usage)?;
     }
-    if let Some(path) = &args.stats {
+    if let Some(path) = stats {
         output::check_place(path).map_err(Failure::usage)?;
     }
     if let Some(folder) = &args.pyramid {
@@ -120,6 +121,11 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
         )));
     }
     Ok(outputs)
+}
+
+/// The file that statistics go to; `None` for standard output and where there are none to write.
+fn stats_file(args: &RenderArgs) -> Option<&PathBuf> {
+    args.stats.as_ref().filter(|path| *path != Path::new("-"))
 }
 
 fn crop(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Crop, Failure> {
@@ -212,9 +218,13 @@ impl Run<'_> {
             None => None,
         };
         phases.write = start.elapsed();
-        if let Some(path) = &args.stats {
+        if args.stats.is_some() {
             let json = stats::json(&job, self.desc, &scene.accel.describe(), &rendered, &phases);
-            output::write_atomically(path, format!("{json:#}\n").as_bytes()).map_err(Failure::other)?;
+            let text = format!("{json:#}\n");
+            match stats_file(args) {
+                Some(path) => output::write_atomically(path, text.as_bytes()).map_err(Failure::other)?,
+                None => print(&text),
+            }
         }
         self.summary(&rendered, &phases);
         if let Some(line) = pyramid {
@@ -237,6 +247,7 @@ impl Run<'_> {
             IntegratorKind::Auto => format!("auto = {integrator}"),
             _ => integrator.to_owned(),
         });
+        parts.extend(departures(&self.settings));
         parts.push(super::count(job.threads, "thread", "threads"));
         // Last: its words may hold commas.
         parts.push(accel.to_owned());
@@ -267,8 +278,7 @@ impl Run<'_> {
             attributes.push(("twinlight:roulette_after", n.to_string()));
         }
         if let Some(t) = s.only {
-            let weights = if s.weighted { "weighted" } else { "unweighted" };
-            attributes.push(("twinlight:technique", format!("{},{} {weights}", t.s, t.t)));
+            attributes.push((pyramid::TECHNIQUE, pyramid::technique_text(t, s.weighted)));
         }
         let window = (self.crop != Crop::full(resolution))
             .then_some(Window { full: resolution, origin: [self.crop.x0, self.crop.y0] });

@@ -6,7 +6,9 @@
 use super::Failure;
 use super::args::{RenderArgs, Size};
 use crate::integrator::{Integrator, Settings, Technique};
-use crate::scene::desc::{IntegratorKind, SceneDesc};
+use crate::light::Light;
+use crate::scene::Prepared;
+use crate::scene::desc::{Heuristic, IntegratorKind, SceneDesc};
 
 /// Longest paths of a pyramid, in edges, where the command line names none.
 const PYRAMID_EDGES: u32 = 6;
@@ -161,4 +163,55 @@ pub fn idle_options(settings: &Settings, args: &RenderArgs) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// Why a technique rendered alone finds nothing in a scene, if that can be told beforehand. A dark scene has a warning of
+/// its own.
+pub fn black_technique(settings: &Settings, prepared: &Prepared) -> Option<String> {
+    let t = settings.only.filter(|_| prepared.needs.light)?;
+    let has_area = |light: &Light| !light.is_delta() && !light.is_infinite();
+    let why = match (t.s, t.t) {
+        (0, _) if !prepared.needs.emitter_hits => {
+            "paths can hit no light by chance: all are point, spot or directional lights"
+        }
+        (1, 1) => {
+            if prepared.lights.iter().any(has_area) {
+                return None;
+            }
+            "no light is a surface, which alone could be connected to the camera"
+        }
+        (1.., _) if !prepared.needs.connections => {
+            "no surface can be connected to: all are mirrors, smooth glass or reflect nothing"
+        }
+        _ => return None,
+    };
+    Some(format!("--technique {},{}: the image will be black: {why}", t.s, t.t))
+}
+
+/// What makes the render another than a plain one, in words for the first line.
+pub fn departures(settings: &Settings) -> Vec<String> {
+    let Settings { integrator, only, weighted, heuristic, light_paths, connections, .. } = *settings;
+    let mut parts = Vec::new();
+    if let Some(t) = only {
+        parts.push(format!("technique {},{} alone, {}", t.s, t.t, if weighted { "weighted" } else { "unweighted" }));
+    }
+    // What has no alternatives has no weights.
+    if weighted && integrator != Integrator::Light && heuristic != Heuristic::Power {
+        parts.push(format!("{heuristic:?} heuristic").to_lowercase());
+    }
+    if settings.max_bounces == 0 {
+        parts.push("emitted light only".to_owned());
+    }
+    if (light_paths, connections) != (1, 1) {
+        let paths = match light_paths {
+            0 => "no light subpaths".to_owned(),
+            n => super::count(n as usize, "light subpath per sample", "light subpaths per sample"),
+        };
+        let connected = integrator == Integrator::Bdpt && light_paths > 0;
+        parts.push(if connected { format!("{paths} ({connections} connected)") } else { paths });
+    }
+    if !settings.roulette {
+        parts.push("no roulette".to_owned());
+    }
+    parts
 }

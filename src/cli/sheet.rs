@@ -1,7 +1,9 @@
 //! The pyramid's contact sheet: all techniques' images side by side, labelled, after Veach's figures (1997, ch. 10).
 //!
 //! A row holds the paths of one length, s grows to the right. Long paths carry little light, so that each row is
-//! multiplied by a power of two of its own, which is written beside it; within a row brightnesses can be compared.
+//! multiplied by a power of two of its own, which is written beside it; within a row brightnesses can be compared. The
+//! factors never decrease with the length, and follow means, which a few samples estimate without bias: any quantile of
+//! an image that is mostly black still, as those of long paths are for long, says more about the samples than about it.
 
 use std::collections::BTreeMap;
 
@@ -32,10 +34,11 @@ const PAPER: [f32; 3] = [0.05; 3];
 const INK: [f32; 3] = [0.6; 3];
 
 /// Rows are brightened 2 to this power at most: beyond it there is noise alone.
-const MOST_STOPS: f32 = 16.0;
+const MOST_STOPS: f64 = 16.0;
 
-/// Share of an image's pixels that brightening must not drive above white.
-const UNCLIPPED: f64 = 0.95;
+/// The mean that brightening must not drive an image beyond: pictures whose brightest parts are several times their mean
+/// still show them.
+const LARGEST_MEAN: f64 = 0.25;
 
 /// Where things are on the sheet.
 struct Layout {
@@ -92,7 +95,7 @@ fn row_label(edges: u32) -> String {
 }
 
 fn factor_label(factor: u32) -> String {
-    format!("x{factor}")
+    format!("×{factor}")
 }
 
 /// Puts the sheet together, `exposure` in stops; `None` without images.
@@ -100,19 +103,17 @@ pub fn sheet(techniques: &BTreeMap<Technique, Image>, exposure: f32) -> Option<S
     let layout = Layout::new(techniques)?;
     let [width, height] = layout.size();
     let mut image = Image { width, height, rgb: vec![PAPER; width as usize * height as usize] };
-    let mut rows = Vec::new();
-    for edges in layout.edges[0]..=layout.edges[1] {
-        let of_row = techniques.iter().filter(|(t, _)| t.s + t.t - 1 == edges);
-        let tiles: Vec<(Technique, Image)> =
-            of_row.map(|(t, full)| (*t, shrunk(full, &layout, exposure.exp2()))).collect();
-        if tiles.is_empty() {
-            continue;
-        }
-        let factor = row_factor(&tiles);
+    let mut tiles: BTreeMap<u32, Vec<(Technique, Image)>> = BTreeMap::new();
+    for (t, full) in techniques {
+        tiles.entry(t.s + t.t - 1).or_default().push((*t, shrunk(full, &layout, exposure.exp2())));
+    }
+    let factors = row_factors(tiles.values().map(|row| row_mean(row)).collect());
+    let rows: Vec<(u32, u32)> = tiles.keys().copied().zip(factors).collect();
+    for (&(edges, factor), tiles) in rows.iter().zip(tiles.values()) {
         let top = layout.row(edges);
         write(&mut image, [GAP, top], &row_label(edges));
         write(&mut image, [GAP, top + TEXT_HEIGHT + GAP], &factor_label(factor));
-        for (t, tile) in &tiles {
+        for (t, tile) in tiles {
             let [x0, y0] = layout.place(*t);
             write(&mut image, [x0, top], &tile_label(*t));
             for y in 0..tile.height {
@@ -121,7 +122,6 @@ pub fn sheet(techniques: &BTreeMap<Technique, Image>, exposure: f32) -> Option<S
                 }
             }
         }
-        rows.push((edges, factor));
     }
     Some(Sheet { image, rows })
 }
@@ -153,23 +153,36 @@ fn mean(image: &Image, x0: u32, y0: u32, side: u32) -> [f32; 3] {
     sum.map(|s| s / n)
 }
 
-/// The largest power of two, at least 1, that leaves nearly all of the row's brightest image below white.
-fn row_factor(tiles: &[(Technique, Image)]) -> u32 {
-    let brightness = |tile: &Image| -> Vec<f32> { tile.rgb.iter().map(|p| p[0].max(p[1]).max(p[2])).collect() };
-    let brightest = tiles.iter().map(|(_, tile)| quantile(brightness(tile))).fold(0.0, f32::max);
-    // A caustic may light a few pixels only: then these decide.
-    let brightest = if brightest > 0.0 {
-        brightest
-    } else {
-        quantile(tiles.iter().flat_map(|(_, tile)| brightness(tile)).filter(|v| *v > 0.0).collect())
+/// Mean of the largest channel over the brightest of a row's images.
+fn row_mean(tiles: &[(Technique, Image)]) -> f64 {
+    let mean = |tile: &Image| {
+        let sum: f64 = tile.rgb.iter().map(|p| f64::from(p[0].max(p[1]).max(p[2]))).sum();
+        sum / tile.rgb.len().max(1) as f64
     };
-    if brightest > 0.0 { 1 << (-brightest.log2()).clamp(0.0, MOST_STOPS) as u32 } else { 1 }
+    tiles.iter().map(|(_, tile)| mean(tile)).fold(0.0, f64::max)
 }
 
-fn quantile(mut values: Vec<f32>) -> f32 {
-    values.sort_by(f32::total_cmp);
-    let last = values.len().saturating_sub(1);
-    values.get((UNCLIPPED * last as f64) as usize).copied().unwrap_or(0.0)
+/// From the rows' means, short paths first: the largest powers of two, at least 1, that drive no mean beyond the largest
+/// and do not decrease. A row that is darker than a longer one's is shown as dark as it is; a black one has no say.
+fn row_factors(means: Vec<f64>) -> Vec<u32> {
+    let largest = |mean: f64| 1u32 << (LARGEST_MEAN / mean).log2().clamp(0.0, MOST_STOPS) as u32;
+    let mut limit = None;
+    let mut factors: Vec<Option<u32>> = (means.iter().rev())
+        .map(|&mean| {
+            if mean > 0.0 {
+                limit = Some(limit.map_or(largest(mean), |limit: u32| limit.min(largest(mean))));
+            }
+            limit
+        })
+        .collect();
+    factors.reverse();
+    // Black rows at the end go on as the last one before them.
+    let mut last = 1;
+    let forward = |factor: Option<u32>| {
+        last = factor.unwrap_or(last);
+        last
+    };
+    factors.into_iter().map(forward).collect()
 }
 
 fn set(image: &mut Image, x: u32, y: u32, value: [f32; 3]) {
@@ -190,18 +203,18 @@ fn glyph(c: char) -> [u8; 5] {
         '8' => [0b111, 0b101, 0b111, 0b101, 0b111],
         '9' => [0b111, 0b101, 0b111, 0b001, 0b111],
         ',' => [0b000, 0b000, 0b000, 0b010, 0b100],
-        'x' => [0b000, 0b101, 0b010, 0b101, 0b000],
+        '×' => [0b000, 0b101, 0b010, 0b101, 0b000],
         'D' => [0b110, 0b101, 0b101, 0b101, 0b110],
         'E' => [0b111, 0b100, 0b110, 0b100, 0b111],
         'G' => [0b111, 0b100, 0b101, 0b101, 0b111],
-        'S' => [0b011, 0b100, 0b010, 0b001, 0b110],
+        'S' => [0b011, 0b100, 0b111, 0b001, 0b110],
         _ => [0; 5],
     }
 }
 
 /// Pixels that a text takes, its last gap left out.
 fn text_width(text: &str) -> u32 {
-    (4 * text.len() as u32).saturating_sub(1) * FONT_SCALE
+    (4 * text.chars().count() as u32).saturating_sub(1) * FONT_SCALE
 }
 
 /// Writes a text with its top left corner at `x0`, `y0`.
@@ -239,12 +252,12 @@ mod tests {
 
     #[test]
     fn rows_are_labelled_and_brightened_by_a_power_of_two() {
-        // Two edges: 0.3 and less; three: 0.01; one: brighter than white. 0.3 · 2 < 1 < 0.3 · 4, 0.01 · 64 < 1.
-        let values = [((0, 2), 3.0), ((0, 3), 0.1), ((1, 2), 0.3), ((2, 2), 0.01), ((3, 1), 0.0)];
+        // Two edges: 0.1 and less; three: 0.01; one: brighter than white. 0.1 · 2 < 0.25 < 0.1 · 4, 0.01 · 16 < 0.25.
+        let values = [((0, 2), 3.0), ((0, 3), 0.03), ((1, 2), 0.1), ((2, 2), 0.01), ((3, 1), 0.0)];
         let techniques: BTreeMap<Technique, Image> =
             values.iter().map(|&((s, t), value)| (Technique { s, t }, flat(40, 30, value))).collect();
         let sheet = sheet(&techniques, 0.0).unwrap();
-        assert_eq!(sheet.rows, [(1, 1), (2, 2), (3, 64)]);
+        assert_eq!(sheet.rows, [(1, 1), (2, 2), (3, 16)]);
         let layout = Layout::new(&techniques).unwrap();
         assert_eq!([sheet.image.width, sheet.image.height], layout.size());
         for ((s, t), value) in values {
@@ -259,7 +272,7 @@ mod tests {
             }
             assert!(stands(&sheet.image, [x0, layout.row(s + t - 1)], &format!("{s},{t}")), "{s},{t}");
         }
-        for (edges, row, factor) in [(1, "1 EDGE", "x1"), (2, "2 EDGES", "x2"), (3, "3 EDGES", "x64")] {
+        for (edges, row, factor) in [(1, "1 EDGE", "×1"), (2, "2 EDGES", "×2"), (3, "3 EDGES", "×16")] {
             let top = layout.row(edges);
             assert!(stands(&sheet.image, [GAP, top], row) && stands(&sheet.image, [GAP, top + 16], factor), "{row}");
         }
@@ -269,7 +282,7 @@ mod tests {
     fn exposure_brightens_the_images_and_not_the_labels() {
         let techniques = BTreeMap::from([(Technique { s: 0, t: 3 }, flat(5, 7, 0.1))]);
         // Two stops down are made up for by the row's factor.
-        for (stops, factor) in [(0.0, 8), (-2.0, 32), (3.0, 1), (9.0, 1)] {
+        for (stops, factor) in [(0.0, 2), (-2.0, 8), (3.0, 1), (9.0, 1)] {
             let sheet = sheet(&techniques, stops).unwrap();
             assert_eq!(sheet.rows, [(2, factor)]);
             let value = 0.1 * stops.exp2() * factor as f32;
@@ -280,15 +293,19 @@ mod tests {
     #[test]
     fn sizes_stay_sensible() {
         // Large images are shrunk, by means; tiny ones keep room for their labels; none makes no sheet.
-        let mut image = flat(1000, 500, 0.25);
-        image.rgb[0] = [0.25 + 49.0 * 0.25; 3];
+        let mut image = flat(1000, 500, 0.12);
+        image.rgb[0] = [0.12 + 49.0 * 0.12; 3];
         let techniques = BTreeMap::from([(Technique { s: 1, t: 2 }, image)]);
         let layout = Layout::new(&techniques).unwrap();
         assert_eq!((layout.step, layout.tile), (7, [142, 71]));
         let picture = sheet(&techniques, 0.0).unwrap();
-        assert_eq!(picture.rows, [(2, 4)]);
+        assert_eq!(picture.rows, [(2, 2)]);
         let [x0, y0] = layout.place(Technique { s: 1, t: 2 });
-        assert_eq!(picture.image.get(x0, y0), [2.0; 3]);
+        // The mean over 7 × 7 pixels is twice what it would be without the bright one, and the row doubles it.
+        assert!(
+            (picture.image.get(x0, y0)[0] / 0.48 - 1.0).abs() < 1e-6
+                && (picture.image.get(x0 + 1, y0)[2] / 0.24 - 1.0).abs() < 1e-6
+        );
         let tiny = BTreeMap::from([(Technique { s: 12, t: 13 }, flat(1, 1, 1.0))]);
         assert!(Layout::new(&tiny).unwrap().pitch[0] >= text_width("12,13") + GAP);
         let many = BTreeMap::from([(Technique { s: 64, t: 1 }, flat(4000, 4000, 1.0))]);
@@ -297,16 +314,34 @@ mod tests {
     }
 
     #[test]
-    fn a_few_bright_pixels_do_not_darken_a_row_and_alone_they_decide() {
-        let mut image = flat(20, 20, 0.01);
-        image.rgb[7] = [1000.0; 3];
-        let row = |image| row_factor(&[(Technique { s: 1, t: 2 }, image)]);
-        assert_eq!(row(image), 64);
-        let mut image = flat(20, 20, 0.0);
-        image.rgb[7] = [0.2; 3];
-        assert_eq!(row(image), 4);
-        assert_eq!(row(flat(20, 20, 0.0)), 1);
-        assert_eq!(row(flat(20, 20, 1e-20)), 1 << 16);
-        assert_eq!(row(flat(20, 20, f32::INFINITY)), 1);
+    fn a_row_is_as_bright_as_its_brightest_image_on_average() {
+        let row = |images: Vec<Image>| {
+            let tiles: Vec<_> = (0..).zip(images).map(|(s, image)| (Technique { s, t: 2 }, image)).collect();
+            row_factors(vec![row_mean(&tiles)])[0]
+        };
+        // One pixel of 400 has all of the light, as at few samples, or each has its part: the same factor.
+        let mut sparse = flat(20, 20, 0.0);
+        sparse.rgb[7] = [0.0, 0.3 * 400.0 / 64.0, 0.0];
+        assert_eq!((row(vec![sparse]), row(vec![flat(20, 20, 0.3 / 64.0)])), (32, 32));
+        assert_eq!(row(vec![flat(20, 20, 0.001), flat(9, 9, 0.03), flat(20, 20, 0.0)]), 8);
+        assert_eq!(row(vec![flat(20, 20, 0.25)]), 1);
+        assert_eq!(row(vec![flat(20, 20, 0.124)]), 2);
+        assert_eq!(row(vec![flat(20, 20, 0.0)]), 1);
+        assert_eq!(row(vec![flat(20, 20, 1e-20)]), 1 << 16);
+        assert_eq!(row(vec![flat(20, 20, f32::INFINITY)]), 1);
+    }
+
+    #[test]
+    fn factors_never_decrease_and_drive_no_row_beyond_white() {
+        let factors = |means: &[f64]| row_factors(means.to_vec());
+        assert_eq!(factors(&[3.0, 0.2, 0.06, 0.02, 0.004]), [1, 1, 4, 8, 32]);
+        // A lamp that is a few pixels large, or what lies in the dark but for long paths, is left dark, ...
+        assert_eq!(factors(&[1e-4, 0.2, 0.06]), [1, 1, 4]);
+        // ... and noise in the means does not jump about.
+        assert_eq!(factors(&[0.004, 0.000_2, 0.008, 0.001]), [16, 16, 16, 128]);
+        // What is black limits nothing.
+        assert_eq!(factors(&[0.0, 0.06, 0.0, 0.004, 0.0]), [4, 4, 32, 32, 32]);
+        assert_eq!(factors(&[0.0, 0.0]), [1, 1]);
+        assert_eq!(factors(&[]), [0u32; 0]);
     }
 }

@@ -75,11 +75,16 @@ impl Settings {
     /// The roulette of a subpath that starts with throughput `beta`.
     #[inline]
     fn roulette(&self, beta: Rgb) -> Roulette {
-        let free = match self.integrator {
+        Roulette::new(self.roulette, beta, self.free_of_roulette())
+    }
+
+    /// How many scatterings at the start of a subpath are free of roulette, where there is any.
+    #[inline]
+    pub fn free_of_roulette(&self) -> u32 {
+        self.roulette_after.unwrap_or(match self.integrator {
             Integrator::Path => Roulette::FREE_PATH,
             Integrator::Light | Integrator::Bdpt => Roulette::FREE_SUBPATH,
-        };
-        Roulette::new(self.roulette, beta, self.roulette_after.unwrap_or(free))
+        })
     }
 
     /// Whether a technique is to be computed.

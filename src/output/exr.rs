@@ -10,7 +10,7 @@ use exr::meta::attribute::{AttributeValue, IntegerBounds, LineOrder, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes, standard_names};
 use exr::prelude::{Blocks, Compression, WritableImage};
 
-use super::{MAX_PIXELS, Metadata, OutputError, write_atomically};
+use super::{LONGEST_NAME, MAX_PIXELS, Metadata, OutputError, write_atomically};
 use crate::film::Image;
 
 /// Writes an image as OpenEXR: channels R, G, B as 32-bit floats, every bit of them kept (non-finite values too), in
@@ -47,10 +47,9 @@ pub(super) fn encode(image: &Image, metadata: &Metadata) -> Result<Vec<u8>, Stri
     let mut names = HashSet::new();
     for (name, value) in &metadata.attributes {
         let reserved = standard_names::ALL.contains(&name.as_bytes());
-        // Names beyond 31 bytes need a flag that old readers refuse.
-        if name.is_empty() || name.len() > 31 || name.contains('\0') || reserved || !names.insert(name) {
+        if name.is_empty() || name.len() > LONGEST_NAME || name.contains('\0') || reserved || !names.insert(name) {
             return Err(format!(
-                "metadata `{name}`: a name takes 1 to 31 bytes, is not one of EXR's own and is given once"
+                "metadata `{name}`: a name takes 1 to {LONGEST_NAME} bytes, is not one of EXR's own and is given once"
             ));
         }
         let text = |s: &str| Text::from_slice_unchecked(s.as_bytes());

@@ -12,12 +12,15 @@ use std::path::{Path, PathBuf};
 pub use atomic::write_atomically;
 pub use exr::write_exr;
 pub use png::{srgb_decode, srgb_encode, write_png};
-pub use read::{format_of_content, read_image};
+pub use read::{format_of_content, read_image, read_image_and_metadata};
 
 use crate::film::Image;
 
 /// The largest image that is read or written, in pixels: 3 GB of it in memory.
 pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// Longest name of a metadata attribute in bytes: beyond it EXR needs a flag that old readers refuse.
+const LONGEST_NAME: usize = 31;
 
 /// Why an image file could not be written or read: what, which file, why, what to do.
 #[derive(Debug, Clone)]

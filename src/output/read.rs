@@ -1,18 +1,20 @@
 //! Reading images back: EXR, and PNG made linear.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use exr::block::reader::Reader;
 use exr::math::Vec2;
+use exr::meta::attribute::{AttributeValue, IntegerBounds, Text};
 use exr::meta::header::Header;
 use exr::prelude::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _};
 use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder};
 
 use super::png::srgb_decode;
-use super::{Format, MAX_PIXELS, OutputError};
+use super::{Format, LONGEST_NAME, MAX_PIXELS, Metadata, OutputError, Window};
 use crate::film::Image;
 
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -35,15 +37,29 @@ fn format_of_magic(magic: [u8; 4]) -> Option<Format> {
     }
 }
 
+/// Prefix of the metadata that are the renderer's own.
+const OWN: &str = "twinlight:";
+
+/// Reads an image as `read_image_and_metadata` does, the pixels alone.
+///
+/// # Errors
+/// As there.
+pub fn read_image(path: &Path) -> Result<Image, OutputError> {
+    read_image_and_metadata(path).map(|(image, _)| image)
+}
+
 /// Reads an image, its format told by its first bytes: an EXR's first layer with channels R, G and B (half, float or
 /// integer, any compression the `exr` crate knows; other channels and layers are ignored; of a crop, the data window
 /// alone), or a PNG of 8 or 16 bits, taken as sRGB and made linear, its alpha ignored.
+///
+/// Of an EXR's metadata those are kept that `write_exr` takes: the attributes named `twinlight:…`, the pixels' shape and
+/// a crop's place, the latter where the data window is part of the display window. A PNG has none.
 ///
 /// The size the header claims is checked against `MAX_PIXELS` and the file's length before memory is taken.
 ///
 /// # Errors
 /// A file that cannot be opened, is neither format, is too large, damaged, or lacks RGB channels.
-pub fn read_image(path: &Path) -> Result<Image, OutputError> {
+pub fn read_image_and_metadata(path: &Path) -> Result<(Image, Metadata), OutputError> {
     let system = |why: String| OutputError::new("read", path, why);
     let error = |why: String| OutputError { bad_content: true, ..OutputError::new("read", path, why) };
     let io = |e: std::io::Error| system(format!("{e}; check the name and the permissions"));
@@ -59,7 +75,7 @@ pub fn read_image(path: &Path) -> Result<Image, OutputError> {
     file.seek(SeekFrom::Start(0)).map_err(io)?;
     match format_of_magic(magic) {
         Some(Format::Exr) => read_exr(BufReader::new(file), there.len()).map_err(error),
-        Some(Format::Png) => read_png(BufReader::new(file)).map_err(error),
+        Some(Format::Png) => read_png(BufReader::new(file)).map(|image| (image, Metadata::default())).map_err(error),
         None => Err(error("it is neither an EXR nor a PNG image; convert it to one of them".to_owned())),
     }
 }
@@ -89,7 +105,7 @@ fn check_exr_header(header: &Header, file_length: u64) -> Result<(), String> {
     Ok(())
 }
 
-fn read_exr(file: impl Read + Seek, file_length: u64) -> Result<Image, String> {
+fn read_exr(file: impl Read + Seek, file_length: u64) -> Result<(Image, Metadata), String> {
     let damaged = |e: exr::error::Error| format!("{e}; the file is damaged or uses an unsupported feature");
     let reader = Reader::read_from_buffered(file, false).map_err(damaged)?;
     let has_rgb = |header: &&Header| {
@@ -99,12 +115,13 @@ fn read_exr(file: impl Read + Seek, file_length: u64) -> Result<Image, String> {
     for header in reader.headers() {
         check_exr_header(header, file_length)?;
     }
-    if !reader.headers().iter().any(|h| has_rgb(&h)) {
+    let Some(header) = reader.headers().iter().find(has_rgb) else {
         let names: Vec<String> = (reader.headers().iter().flat_map(|h| h.channels.list.iter()))
             .map(|c| String::from_utf8_lossy(c.name.as_slice()).into_owned())
             .collect();
         return Err(format!("no layer has the channels R, G and B; there are: {}", names.join(", ")));
-    }
+    };
+    let metadata = metadata(header);
     let read = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -123,7 +140,37 @@ fn read_exr(file: impl Read + Seek, file_length: u64) -> Result<Image, String> {
         .non_parallel()
         .from_chunks(reader)
         .map_err(damaged)?;
-    Ok(read.layer_data.channel_data.pixels)
+    Ok((read.layer_data.channel_data.pixels, metadata))
+}
+
+/// What `write_exr` could say of a layer's image again.
+fn metadata(header: &Header) -> Metadata {
+    let (shared, own) = (&header.shared_attributes, &header.own_attributes);
+    let text = |(name, value): (&Text, &AttributeValue)| {
+        let lossy = |text: &Text| String::from_utf8_lossy(text.as_slice()).into_owned();
+        let name = lossy(name);
+        (name.starts_with(OWN) && name.len() <= LONGEST_NAME).then(|| Some((name, lossy(value.to_text().ok()?))))?
+    };
+    // A name that both hold, which no file should have, counts once.
+    let attributes: BTreeMap<String, String> = shared.other.iter().chain(&own.other).filter_map(text).collect();
+    Metadata {
+        attributes: attributes.into_iter().collect(),
+        pixel_aspect: shared.pixel_aspect,
+        window: window(header.layer_size, own.layer_position, &shared.display_window),
+    }
+}
+
+/// A crop's place; `None` for the full image, and for a data window that leaves the display window.
+fn window(size: Vec2<usize>, position: Vec2<i32>, display: &IntegerBounds) -> Option<Window> {
+    let axis = |size: usize, position: i32, start: i32, length: usize| {
+        let origin = u32::try_from(i64::from(position) - i64::from(start)).ok()?;
+        let length = u32::try_from(length).ok()?;
+        (u64::from(origin) + size as u64 <= u64::from(length)).then_some((origin, length))
+    };
+    let (x, width) = axis(size.x(), position.x(), display.position.x(), display.size.x())?;
+    let (y, height) = axis(size.y(), position.y(), display.position.y(), display.size.y())?;
+    let whole = [width as usize, height as usize] == [size.x(), size.y()];
+    (!whole).then_some(Window { full: [width, height], origin: [x, y] })
 }
 
 fn read_png(file: impl std::io::BufRead + Seek) -> Result<Image, String> {

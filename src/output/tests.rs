@@ -111,6 +111,51 @@ fn exr_says_where_the_crop_is_and_carries_the_metadata() {
 }
 
 #[test]
+fn metadata_come_back_and_what_is_not_ours_stays_behind() {
+    let folder = Folder::new("metadata");
+    let path = folder.file("a.exr");
+    let attributes = |names: &[&str]| names.iter().map(|n| (n.to_string(), format!("of {n} π"))).collect();
+    let back = |metadata: &Metadata| {
+        write_exr(&path, &noise(20, 10), metadata).expect("writable");
+        read_image_and_metadata(&path).expect("readable").1
+    };
+    let window = Some(Window { full: [640, 480], origin: [100, 200] });
+    let ours = Metadata { attributes: attributes(&["twinlight:a", "twinlight:b"]), pixel_aspect: 2.0, window };
+    assert_eq!(back(&ours), ours);
+    let more = Metadata { attributes: attributes(&["twinlight:a", "twinlight", "comment", "twinlight:b"]), ..ours };
+    assert_eq!(back(&more), Metadata { attributes: attributes(&["twinlight:a", "twinlight:b"]), ..more });
+    // A crop that is all of the image is none.
+    let whole = Metadata { window: Some(Window { full: [20, 10], origin: [0, 0] }), ..Metadata::default() };
+    assert_eq!(back(&whole), Metadata::default());
+    write_png(&path, &noise(2, 2), 0.0).expect("writable");
+    assert_eq!(read_image_and_metadata(&path).expect("readable").1, Metadata::default());
+}
+
+#[test]
+fn windows_are_counted_from_the_display_windows_corner() {
+    use ::exr::prelude::*;
+    let folder = Folder::new("windows");
+    let path = folder.file("a.exr");
+    // Position and size of the display window, position of a data window of 4 × 3, and the crop that is.
+    for (corner, full, at, expected) in [
+        ((-5, 7), (10, 8), (-3, 9), Some(Window { full: [10, 8], origin: [2, 2] })),
+        ((-5, 7), (10, 8), (1, 12), Some(Window { full: [10, 8], origin: [6, 5] })),
+        ((-5, 7), (10, 8), (2, 12), None),
+        ((0, 0), (10, 8), (-1, 0), None),
+        ((3, 3), (4, 3), (3, 3), None),
+    ] {
+        let pixels = SpecificChannels::rgb(|_| (1.0_f32, 1.0_f32, 1.0_f32));
+        let place = LayerAttributes { layer_position: Vec2(at.0, at.1), ..LayerAttributes::default() };
+        let layer = Layer::new((4, 3), place, Encoding::FAST_LOSSLESS, pixels);
+        let display = IntegerBounds::new(corner, full);
+        let image = ::exr::image::Image::new(ImageAttributes::new(display), layer);
+        image.write().to_file(&path).expect("writable");
+        let (image, metadata) = read_image_and_metadata(&path).expect("readable");
+        assert_eq!((image.width, image.height, metadata.window), (4, 3, expected), "{corner:?} {full:?} {at:?}");
+    }
+}
+
+#[test]
 fn exr_refuses_what_it_cannot_say() {
     let image = noise(4, 4);
     let with = |name: &str| Metadata { attributes: vec![(name.to_owned(), String::new())], ..Metadata::default() };

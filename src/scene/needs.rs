@@ -36,25 +36,43 @@ impl SceneNeeds {
         }
     }
 
+    /// What no technique of any integrator can find in such a scene, in words.
+    ///
+    /// A path is found by a technique that connects two of its neighbours, neither of which is a delta surface (the light
+    /// and the camera may be either), or that hits the light by chance. A delta light's caustic that is seen in a mirror
+    /// has no such technique: light – delta surface – diffuse surface – delta surface – camera.
+    pub fn missing(&self) -> Vec<&'static str> {
+        let mut out = Vec::new();
+        if self.delta_lights && self.delta_surfaces && self.connections {
+            out.push(
+                "caustics of point, spot and directional lights are missing where they are seen in mirrors or through \
+                 smooth glass",
+            );
+        }
+        out
+    }
+
     /// Each thing that will be skipped, in words.
     pub fn skipped(&self) -> Vec<&'static str> {
         let mut out = Vec::new();
         if !self.light {
-            out.push("every ray: nothing shines");
+            out.push("all of the work: nothing in the scene shines");
         }
         if !self.emitter_hits {
-            out.push("emitter hits (s = 0): there is no area light");
+            out.push("finding lights by chance (techniques 0,t): no light can be hit");
         }
         if !self.connections {
-            out.push("light subpaths and connections: no surface can be connected to");
+            out.push(
+                "light subpaths and connections: there is no surface but mirrors, smooth glass and what reflects nothing",
+            );
         }
         if !self.delta_lights {
-            out.push("user geometry for delta points: there is none");
+            out.push("intersection with point and spot lights: there are none");
         } else {
-            out.push("user geometry for delta points: transport never asks for it");
+            out.push("intersection with point and spot lights: they have no size, so that no ray can hit them");
         }
         if !self.windows {
-            out.push("window tests: no surface is index-matched");
+            out.push("looking through index-matched windows (`null` materials): there are none");
         }
         out
     }

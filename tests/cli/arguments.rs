@@ -13,7 +13,7 @@ pub struct Arguments {
 }
 
 /// What is wrong with the command line itself. `scene.json` is right.
-pub const ARGUMENTS: [Arguments; 39] = [
+pub const ARGUMENTS: [Arguments; 42] = [
     Arguments {
         what: "A scene that is not there",
         arguments: "none.json",
@@ -63,7 +63,7 @@ pub const ARGUMENTS: [Arguments; 39] = [
         what: "No samples",
         arguments: "scene.json --spp 0",
         status: 2,
-        message: "error: invalid value '0' for '--spp <N>': 0 is not in 1..=4294967295",
+        message: "error: invalid value '0' for '--spp <N>': write it as a whole number, 1 or more (at most 4294967295)",
     },
     Arguments {
         what: "A size of zero",
@@ -109,13 +109,32 @@ pub const ARGUMENTS: [Arguments; 39] = [
         what: "No threads",
         arguments: "scene.json --threads 0",
         status: 2,
-        message: "error: invalid value '0' for '--threads <N>': 0 is not in 1..=4096",
+        message: "error: invalid value '0' for '--threads <N>': write it as a whole number, 1 or more (at most 4096)",
     },
     Arguments {
         what: "A negative seed",
-        arguments: "scene.json --seed=-1",
+        arguments: "scene.json --seed -1",
         status: 2,
-        message: "error: invalid value '-1' for '--seed <N>': write it as a whole number from 0 to 18446744073709551615",
+        message: "error: invalid value '-1' for '--seed <N>': write it as a whole number, 0 or more (at most \
+                  18446744073709551615)",
+    },
+    Arguments {
+        what: "A negative number of bounces",
+        arguments: "scene.json --max-bounces -1",
+        status: 2,
+        message: "error: invalid value '-1' for '--max-bounces <N>': write it as a whole number, 0 or more (at most 1000000)",
+    },
+    Arguments {
+        what: "A broken number of light subpaths",
+        arguments: "scene.json --light-paths 1.5",
+        status: 2,
+        message: "error: invalid value '1.5' for '--light-paths <N>': write it as a whole number, 0 or more (at most 1024)",
+    },
+    Arguments {
+        what: "A pyramid of too long paths",
+        arguments: "scene.json --pyramid pyramid --pyramid-edges 65",
+        status: 2,
+        message: "error: invalid value '65' for '--pyramid-edges <N>': write it as a whole number, 1 or more (at most 64)",
     },
     Arguments {
         what: "An unknown integrator",

@@ -1,9 +1,9 @@
 //! `compare` and `convert`.
 
 use twinlight::film::Image;
-use twinlight::output::{Metadata, read_image, srgb_decode, write_image};
+use twinlight::output::{Metadata, Window, read_image, srgb_decode, write_image};
 
-use super::{Folder, difference};
+use super::{Folder, difference, exr_header};
 
 /// A smooth picture of positive values up to a little above `peak`.
 fn picture(width: u32, height: u32, peak: f32) -> Image {
@@ -74,9 +74,22 @@ fn compare_measures_as_defined() {
     // The text says the same.
     let text = folder.ok(&["compare", "a.exr", "r.exr"]).stdout;
     let line = |key: &str| text.lines().find_map(|l| l.strip_prefix(key)).unwrap_or_else(|| panic!("{key}: {text}"));
-    assert_eq!(line("relMSE").trim(), format!("{relative:.4e}"));
-    assert_eq!(line("MSE").trim(), format!("{mse:.4e}"));
-    assert_eq!(line("max").trim(), "5.0000e-1 at 3,4");
+    // Plain numbers, to four figures, the means to six.
+    for (key, value) in [("relMSE", relative), ("MSE", mse)] {
+        let said = line(key).trim();
+        assert!(said.starts_with("0.") && said.len() <= 7, "{key}: {text}");
+        assert!((said.parse::<f64>().unwrap() / value - 1.0).abs() < 5e-4, "{key}: {text}");
+    }
+    assert_eq!(line("max").trim(), "0.5 at 3,4");
+    for (key, mean) in [("mean", image.mean()), ("reference", reference.mean())] {
+        let said: Vec<f64> = line(key).split_whitespace().map(|n| n.parse().unwrap()).collect();
+        assert!(said.len() == 3 && said.iter().zip(mean).all(|(s, m)| (s / m - 1.0).abs() < 5e-6), "{key}: {text}");
+    }
+    let mut faint = reference.clone();
+    faint.rgb[0][1] += 1e-3;
+    put(&folder, "f.exr", &faint);
+    let text = folder.ok(&["compare", "f.exr", "r.exr"]).stdout;
+    assert!(text.contains("\nMSE         0.000000006944\n"), "{text}");
     assert_eq!(line("non-finite").trim(), "0 (reference 0)");
     let means: Vec<f64> = line("mean").split_whitespace().map(|n| n.parse().unwrap()).collect();
     assert!(means.iter().zip(image.mean()).all(|(a, b)| (a - b).abs() < 1e-6), "{text}");
@@ -138,8 +151,17 @@ fn the_difference_is_red_where_brighter_and_blue_where_darker() {
     put(&folder, "r.exr", &reference);
     let quiet = folder.ok(&["compare", "a.exr", "r.exr"]).stdout;
     assert_eq!(folder.names(), ["a.exr", "r.exr"]);
-    let told = folder.ok(&["compare", "a.exr", "r.exr", "--difference", "d.png"]).stdout;
-    assert_eq!(told, quiet);
+    let told = folder.ok(&["compare", "a.exr", "r.exr", "--difference", "d.png"]);
+    assert_eq!(told.stdout, quiet);
+    // What it shows is said, on the help page as well.
+    let note = "d.png shows means over 4×4 pixels, relative to the reference: red where the image is brighter, blue where \
+                it is darker, ±10 % at full colour";
+    assert_eq!(told.stderr, format!("note: {note}\n"));
+    let json = folder.ok(&["compare", "a.exr", "r.exr", "--difference", "d.png", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!((value["notes"].clone(), json.stderr.as_str()), (serde_json::json!([note]), ""));
+    let help = folder.ok(&["compare", "--help"]).stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(help.contains("mean over 4×4 pixels, relative to the reference, ±10 % at full colour"), "{help}");
     let d = folder.image("d.png");
     assert_eq!((d.width, d.height), (16, 8));
     let expected = |x| {
@@ -153,6 +175,70 @@ fn the_difference_is_red_where_brighter_and_blue_where_darker() {
     };
     for x in 0..16 {
         assert_eq!(d.get(x, 5), expected(x), "column {x}");
+    }
+    // Ten percent are full colour, five are half of it; what cancels within a block does not show.
+    image.clone_from(&reference);
+    for (i, pixel) in image.rgb.iter_mut().enumerate() {
+        *pixel = match i % 16 {
+            0..4 => [1.102; 3],
+            4..8 => [1.05; 3],
+            8..12 if i % 2 == 0 => [2.0; 3],
+            8..12 => [0.0; 3],
+            _ => [0.95; 3],
+        };
+    }
+    put(&folder, "a.exr", &image);
+    folder.ok(&["compare", "a.exr", "r.exr", "--difference", "d.png"]);
+    let d = folder.image("d.png");
+    for (x, [red, _, blue]) in [(1, [1.0, 0.0, 0.0]), (5, [0.5, 0.0, 0.0]), (9, [0.0; 3]), (13, [0.0, 0.0, 0.5])] {
+        let got = d.get(x, 5);
+        assert!((got[0] - red).abs() < 0.01 && (got[2] - blue).abs() < 0.01, "column {x}: {got:?}");
+    }
+}
+
+#[test]
+fn a_crop_is_compared_with_its_part_of_the_full_image() {
+    let folder = Folder::new("compare_crop");
+    let full = picture(23, 9, 0.9);
+    let part = |image: &Image, [x0, y0, x1, y1]: [u32; 4]| {
+        let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y)));
+        Image { width: x1 - x0, height: y1 - y0, rgb: pixels.map(|(x, y)| image.get(x, y)).collect() }
+    };
+    let put_part = |name: &str, image: &Image, origin| {
+        let window = Some(Window { full: [23, 9], origin });
+        write_image(&folder.path(name), image, &Metadata { window, ..Metadata::default() }, 0.0).unwrap();
+    };
+    put(&folder, "full.exr", &full);
+    put(&folder, "full.png", &full);
+    let mut small = part(&full, [7, 2, 20, 8]);
+    small.rgb[13 * 4 + 5][1] += 0.25;
+    put_part("crop.exr", &small, [7, 2]);
+    put_part("larger.exr", &part(&full, [6, 2, 20, 9]), [6, 2]);
+    put_part("beside.exr", &part(&full, [8, 2, 23, 9]), [8, 2]);
+    put(&folder, "part.exr", &part(&full, [7, 2, 20, 8]));
+    let note = "crop.exr is a crop: compared over its pixels alone, 7,2 to 20,8 of 23 × 9 (ends exclusive); the place of \
+                `max` is counted from the crop's first pixel";
+    let figures = folder.ok(&["compare", "crop.exr", "part.exr"]);
+    assert!(figures.stdout.contains("max         0.25 at 5,4\n") && figures.stderr.is_empty(), "{figures:?}");
+    for reference in ["full.exr", "larger.exr"] {
+        let told = folder.ok(&["compare", "crop.exr", reference, "--difference", "d.png"]);
+        assert_eq!(told.stdout, figures.stdout, "{reference}");
+        assert_eq!(told.stderr.lines().next(), Some(format!("note: {note}").as_str()));
+        let picture = folder.image("d.png");
+        assert_eq!((picture.width, picture.height), (13, 6));
+        let json: serde_json::Value =
+            serde_json::from_str(&folder.ok(&["compare", reference, "crop.exr", "--json"]).stdout).unwrap();
+        assert_eq!(json["notes"], serde_json::json!([note]));
+        assert_eq!(json["max_at"], serde_json::json!([5, 4]));
+    }
+    let png = folder.ok(&["compare", "crop.exr", "full.png"]).stderr;
+    assert!(png.starts_with(&format!("note: {note}\nnote: full.png is a PNG: ")), "{png}");
+    // Neither holds the other; the full image has another size; no crop at all.
+    put(&folder, "other.exr", &picture(24, 9, 1.0));
+    for (a, b) in [("crop.exr", "beside.exr"), ("crop.exr", "other.exr"), ("part.exr", "full.exr")] {
+        let outcome = folder.run(&["compare", a, b]);
+        assert_eq!(outcome.status, Some(65), "{outcome:?}");
+        assert!(outcome.stderr.ends_with(": render or crop them to one size\n"), "{outcome:?}");
     }
 }
 
@@ -215,8 +301,15 @@ fn convert_goes_there_and_back() {
         assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
         folder.image(to)
     };
-    // EXR to EXR keeps every bit.
+    // EXR to EXR keeps every bit, a crop's place and what made it.
     assert!(convert("a.exr", "copy.exr", &[]) == image);
+    let attributes = vec![("twinlight:spp".to_owned(), "7".to_owned()), ("comment".to_owned(), "not ours".to_owned())];
+    let window = Some(Window { full: [30, 20], origin: [11, 12] });
+    write_image(&folder.path("crop.exr"), &image, &Metadata { attributes, pixel_aspect: 1.0, window }, 0.0).unwrap();
+    assert!(convert("crop.exr", "copy.exr", &[]) == image);
+    let (attributes, data, display) = exr_header(&folder.path("copy.exr"));
+    assert_eq!(attributes.into_iter().collect::<Vec<_>>(), [("twinlight:spp".to_owned(), "7".to_owned())]);
+    assert_eq!((data, display), ([11, 12, 9, 5], [30, 20]));
     // To 8 bits a value moves by half a step at most, and back and forth by nothing more.
     let coded = convert("a.exr", "a.png", &[]);
     let step =

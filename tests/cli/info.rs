@@ -43,8 +43,10 @@ fn json_tells_what_is_in_a_scene() {
             "lights": json["lights"],
             "center": [10.0, 0.0, 0.0],
             "scale": 0.125,
-            "skipped": ["light subpaths and connections: no surface can be connected to",
-                        "user geometry for delta points: transport never asks for it"],
+            "skipped": [
+                "light subpaths and connections: there is no surface but mirrors, smooth glass and what reflects nothing",
+                "intersection with point and spot lights: they have no size, so that no ray can hit them",
+            ],
             "notes": ["s.json:3:88: /accelerator: the accelerator is ignored: it is chosen on the command line"],
         })
     );
@@ -114,8 +116,8 @@ fn text_tells_the_same() {
             "    point, power 12.57 6.283 0 W",
             "    spot, power 3.142 3.142 3.142 W",
             "  skipped",
-            "    light subpaths and connections: no surface can be connected to",
-            "    user geometry for delta points: transport never asks for it",
+            "    light subpaths and connections: there is no surface but mirrors, smooth glass and what reflects nothing",
+            "    intersection with point and spot lights: they have no size, so that no ray can hit them",
             "  note: s.json:3:88: /accelerator: the accelerator is ignored: it is chosen on the command line",
         ]
     );
@@ -131,8 +133,69 @@ fn many_lights_are_cut_and_a_dark_scene_is_said_to_be() {
     assert_eq!(text.matches("    point, power ").count(), 20);
     folder.write("dark.json", r#"{"camera": {}}"#);
     let text = folder.ok(&["info", "dark.json"]).stdout;
-    assert!(text.contains("    every ray: nothing shines\n"), "{text}");
+    assert!(text.contains("    all of the work: nothing in the scene shines\n"), "{text}");
     assert!(text.ends_with("  note: dark.json:1:12: /camera: nothing in the scene shines: the image will be black\n"));
+}
+
+#[test]
+fn caustics_that_no_technique_finds_are_named() {
+    const MISSING: &str = "caustics of point, spot and directional lights are missing where they are seen in mirrors or \
+                           through smooth glass";
+    let folder = Folder::new("info_missing");
+    let (point, floor) = (
+        r#"{"type": "point", "position": [0, 0, 1], "intensity": 1}"#,
+        r#"{"type": "quad", "material": {"type": "lambertian", "albedo": 0.5}}"#,
+    );
+    let spot = r#"{"type": "spot", "position": [0, 0, 1], "at": [0, 0, 0], "intensity": 1, "inner_angle": 20,
+                   "outer_angle": 30}"#;
+    let sun = r#"{"type": "directional", "direction": [0, 0, -1], "irradiance": 1}"#;
+    let lamp = r#"{"type": "disk", "material": {"type": "diffuse light", "emit": 1}}"#;
+    let [mirror, glass] =
+        ["mirror", "dielectric"].map(|kind| format!(r#"{{"type": "sphere", "material": {{"type": "{kind}"}}}}"#));
+    for (lights, surfaces, missing) in [
+        (point, [floor, &mirror].join(","), true),
+        (spot, [floor, &glass].join(","), true),
+        (sun, [floor, lamp, &mirror].join(","), true),
+        // All light can be hit; no delta surface; nothing that a caustic would be seen on.
+        ("", [floor, lamp, &mirror].join(","), false),
+        (point, floor.to_owned(), false),
+        (point, [lamp, &mirror].join(","), false),
+    ] {
+        folder.write("s.json", format!(r#"{{"camera": {{}}, "lights": [{lights}], "surfaces": [{surfaces}]}}"#));
+        let text = folder.ok(&["info", "s.json"]).stdout;
+        assert_eq!(text.ends_with(&format!("\n  note: {MISSING}\n")), missing, "{text}");
+        let json: serde_json::Value = serde_json::from_str(&folder.ok(&["info", "s.json", "--json"]).stdout).unwrap();
+        let notes = if missing { vec![MISSING] } else { vec![] };
+        assert_eq!(json["notes"], serde_json::json!(notes), "{lights} {surfaces}");
+    }
+}
+
+/// The words are for users: no names of the code's, and one line for each thing.
+#[test]
+fn what_is_skipped_is_said_in_words() {
+    let folder = Folder::new("info_skipped");
+    let scene = |lights: &str, surfaces: &str| {
+        folder.write("s.json", format!(r#"{{"camera": {{}}, "lights": [{lights}], "surfaces": [{surfaces}]}}"#));
+        let text = folder.ok(&["info", "s.json"]).stdout;
+        let lines = text.split_once("  skipped\n").unwrap().1.lines();
+        lines.map_while(|l| l.strip_prefix("    ")).map(str::to_owned).collect::<Vec<String>>()
+    };
+    let floor = r#"{"type": "quad", "material": {"type": "lambertian", "albedo": 0.5}}"#;
+    let lamp = r#"{"type": "disk", "material": {"type": "diffuse light", "emit": 1}}"#;
+    let point = r#"{"type": "point", "position": [0, 0, 1], "intensity": 1}"#;
+    let windows = "looking through index-matched windows (`null` materials): there are none";
+    assert_eq!(
+        scene(point, floor),
+        [
+            "finding lights by chance (techniques 0,t): no light can be hit",
+            "intersection with point and spot lights: they have no size, so that no ray can hit them",
+            windows
+        ]
+    );
+    assert_eq!(
+        scene("", &[floor, lamp].join(",")),
+        ["intersection with point and spot lights: there are none", windows]
+    );
 }
 
 #[test]

@@ -63,7 +63,7 @@ const JSON: &[Scene] = &[
         text: r#"{"camera": {}, "materials": [{"name": "m", "type": "lambertian", «"albdo": 0.5}]}"#,
         messages: &[
             "/materials/0/albdo: unknown key \"albdo\"; did you mean \"albedo\"? allowed: type, name, albedo, two_sided, \
-             emit",
+             emit, emit_two_sided",
         ],
     },
     Scene {

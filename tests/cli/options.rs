@@ -86,6 +86,7 @@ fn integrators_agree() {
 fn the_first_line_says_what_is_rendered_by_what() {
     let folder = Folder::with_room("first_line");
     folder.write("auto.json", super::ROOM.replace("\"bdpt\"", "\"auto\""));
+    folder.write("tame.json", super::ROOM.replace("\"max_bounces\"", "\"russian_roulette\": false, \"max_bounces\""));
     let processors = std::thread::available_parallelism().unwrap();
     let default = format!("{processors} thread{}", if processors.get() == 1 { "" } else { "s" });
     for (args, start) in [
@@ -95,6 +96,36 @@ fn the_first_line_says_what_is_rendered_by_what() {
         (
             "auto.json --integrator path --crop 1,2,16,12 --threads 1",
             "auto.json: 16 × 12 pixels, of these 1,2 to 16,12, 4 spp, path, 1 thread, ",
+        ),
+        // What makes it another than a plain render, from the command line or the scene.
+        (
+            "room.json --technique 1,2 --threads 1",
+            "room.json: 16 × 12 pixels, 4 spp, bdpt, technique 1,2 alone, weighted, 1 thread, ",
+        ),
+        (
+            "room.json --technique 2,2 --unweighted --no-roulette --threads 1",
+            "room.json: 16 × 12 pixels, 4 spp, bdpt, technique 2,2 alone, unweighted, no roulette, 1 thread, ",
+        ),
+        (
+            "room.json --max-bounces 0 --light-paths 0 --threads 1",
+            "room.json: 16 × 12 pixels, 4 spp, bdpt, emitted light only, no light subpaths, 1 thread, ",
+        ),
+        (
+            "room.json --light-paths 3 --connections 2 --threads 1",
+            "room.json: 16 × 12 pixels, 4 spp, bdpt, 3 light subpaths per sample (2 connected), 1 thread, ",
+        ),
+        (
+            "room.json --connections 0 --heuristic balance --threads 1",
+            "room.json: 16 × 12 pixels, 4 spp, bdpt, balance heuristic, 1 light subpath per sample (0 connected), 1 thread, ",
+        ),
+        (
+            "tame.json --integrator light --light-paths 2 --threads 1",
+            "tame.json: 16 × 12 pixels, 4 spp, light, 2 light subpaths per sample, no roulette, 1 thread, ",
+        ),
+        // What is the default anyway is not news.
+        (
+            "room.json --max-bounces 1 --light-paths 1 --connections 1 --heuristic power --roulette-after 2 --threads 1",
+            "room.json: 16 × 12 pixels, 4 spp, bdpt, 1 thread, ",
         ),
     ] {
         let outcome = folder.ok(&[vec!["render"], args.split(' ').collect(), vec!["-o", "a.exr"]].concat());

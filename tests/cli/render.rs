@@ -142,6 +142,7 @@ fn statistics_have_every_field() {
         "paths",
         "peak_memory_bytes",
         "rays",
+        "resolution",
         "roulette",
         "roulette_after",
         "sampler",
@@ -174,6 +175,7 @@ fn statistics_have_every_field() {
         assert_eq!(stats.pointer(key).and_then(Value::as_u64), Some(value), "{key}: {stats:#}");
     }
     assert_eq!(stats["crop"], serde_json::json!([3, 2, 13, 11]));
+    assert_eq!(stats["resolution"], serde_json::json!([16, 12]));
     assert_eq!(stats["roulette"], true);
     assert_eq!(stats["non_finite"]["first"], serde_json::json!([]));
 
@@ -197,12 +199,45 @@ fn statistics_have_every_field() {
         assert!((1 << 20..1 << 33).contains(&memory), "{memory}");
     }
 
+    // The scatterings free of roulette are those in effect, whether given or the integrator's own.
+    for (options, expected) in [
+        (&["--integrator", "path"][..], Some(3)),
+        (&["--integrator", "light"], Some(2)),
+        (&["--integrator", "bdpt"], Some(2)),
+        (&["--roulette-after", "7"], Some(7)),
+        (&["--no-roulette"], None),
+    ] {
+        folder.rendered("a.exr", &[options, &["--stats", "s.json", "--spp", "1", "--size", "7x5"]].concat());
+        let stats = folder.json("s.json");
+        assert_eq!(
+            (stats["roulette_after"].as_u64(), stats["roulette"].as_bool()),
+            (expected, Some(expected.is_some()))
+        );
+        assert_eq!((stats["resolution"].clone(), stats["crop"].clone()), ([7, 5].into(), [0, 0, 7, 5].into()));
+    }
+
     // Without a light there is nothing to trace but, at most, primary rays.
     folder.write("dark.json", r#"{"camera": {"resolution": [5, 4]}, "image_samples": 2}"#);
     folder.ok(&["render", "dark.json", "-q", "--stats", "s.json"]);
     let rays = &folder.json("s.json")["rays"];
     assert_eq!(rays["total"], rays["camera"]);
     assert!(rays["camera"].as_u64().unwrap() <= 40, "{rays}");
+}
+
+#[test]
+fn statistics_go_to_standard_output_as_well() {
+    let folder = Folder::with_room("stats_stdout");
+    let before = folder.names();
+    for quiet in [&[][..], &["--quiet"]] {
+        let outcome = folder.ok(&[&["render", "room.json", "-o", "a.exr", "--stats", "-"], quiet].concat());
+        let stats: Value = serde_json::from_str(&outcome.stdout).unwrap();
+        assert_eq!((stats["spp"].as_u64(), stats["resolution"].clone()), (Some(4), [16, 12].into()));
+        assert_eq!(outcome.stderr.is_empty(), !quiet.is_empty(), "{outcome:?}");
+        assert_eq!(folder.names(), [&["a.exr".to_owned()], &before[..]].concat());
+    }
+    // A file of that name can be had.
+    folder.ok(&["render", "room.json", "-q", "-o", "a.exr", "--stats", "./-"]);
+    assert_eq!(folder.json("-")["spp"], 4);
 }
 
 #[test]

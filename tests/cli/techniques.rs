@@ -39,6 +39,8 @@ fn the_pyramids_images_are_the_image_taken_apart() {
         assert!(difference(&alone, &image) < 1e-5, "{name}: {}", difference(&alone, &image));
         let attributes = exr_header(&folder.path("one.exr")).0;
         assert_eq!(attributes["twinlight:technique"], format!("{s},{t} weighted"));
+        // And says the same of itself, but for which run it was part of.
+        assert_eq!(exr_header(&folder.path(&format!("a/pyramid/{name}.exr"))).0, attributes, "{name}");
         assert_eq!(folder.image(&format!("a/pyramid/{name}.png")).width, 16);
     }
     assert!(difference(&sum, &full) < 1e-5, "{}", difference(&sum, &full));
@@ -71,6 +73,7 @@ fn what_a_pyramid_holds_is_told_and_its_sheet_can_be_read() {
         .map(|(edges, factor)| (edges.parse().unwrap(), factor.parse().unwrap()))
         .collect();
     assert_eq!(rows.iter().map(|row| row.0).collect::<Vec<u32>>(), [1, 2, 3]);
+    assert!(rows.is_sorted_by_key(|row| row.1), "{line}");
     let sheet = folder.image("P/pyramid.png");
     for (edges, factor) in rows {
         assert!(factor >= 1.0 && factor.log2().fract() == 0.0, "{factor}");
@@ -97,6 +100,110 @@ fn what_a_pyramid_holds_is_told_and_its_sheet_can_be_read() {
     let told = folder.ok(&["render", "dark.json", "--pyramid", "D"]).stderr;
     assert!(told.ends_with("D: no technique found any light, so that no image was written\n"), "{told}");
     assert_eq!(std::fs::read_dir(folder.path("D")).unwrap().count(), 0);
+}
+
+#[test]
+fn a_folder_that_is_used_again_holds_one_pyramid() {
+    let folder = Folder::with_room("pyramid_again");
+    let fresh = |name: &str, edges: &str| {
+        let options = ["--max-bounces", "3", "--pyramid", name, "--pyramid-edges", edges, "-o", "full.exr"];
+        folder.ok(&[&["render", "room.json"], &options[..]].concat()).stderr
+    };
+    let files = |name: &str| -> BTreeSet<String> {
+        let entries = std::fs::read_dir(folder.path(name)).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    };
+    assert!(!fresh("P", "4").contains("removed"));
+    fresh("new", "2");
+    let many = files("P").len();
+    // What no pyramid writes stays: other names, other ways to write the numbers, folders and links.
+    let others =
+        ["s01_t2.exr", "s+1_t2.png", "s1_t2.jpg", "s1_t2.exr.bak", "xs1_t2.exr", "S1_t2.exr", "s_t2.exr", "s1_t.png"];
+    others.iter().for_each(|name| folder.write(&format!("P/{name}"), "another's"));
+    std::fs::create_dir(folder.path("P/s40_t1.exr")).unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("s01_t2.exr", folder.path("P/s40_t2.exr")).unwrap();
+    // Never made by a run of so few edges, but a pyramid's name.
+    folder.write("P/s63_t1.png", "old");
+    let told = fresh("P", "2");
+    let removed = many + 1 - files("new").len();
+    assert!(removed > 8 && told.ends_with(&format!("; removed {removed} files of an earlier pyramid\n")), "{told}");
+    let left: BTreeSet<String> = files("P").difference(&files("new")).cloned().collect();
+    let mut expected: BTreeSet<String> = others.iter().chain(&["s40_t1.exr"]).map(ToString::to_string).collect();
+    if cfg!(unix) {
+        expected.insert("s40_t2.exr".to_owned());
+    }
+    assert_eq!(left, expected);
+    for name in files("new") {
+        assert!(folder.bytes(&format!("P/{name}")) == folder.bytes(&format!("new/{name}")), "{name}");
+    }
+    // Nothing is left to be removed; without any light nothing is left at all.
+    assert!(!fresh("P", "2").contains("removed"));
+    folder.write("dark.json", r#"{"camera": {"resolution": 2}, "image_samples": 1}"#);
+    let told = folder.ok(&["render", "dark.json", "--pyramid", "new"]).stderr;
+    assert!(told.contains("so that no image was written; removed ") && files("new").is_empty(), "{told}");
+    // A render that fails leaves the old one whole.
+    let before = folder.snapshot();
+    assert_eq!(folder.run(&["render", "room.json", "--pyramid", "P", "--crop", "0,0,99,9"]).status, Some(2));
+    assert!(folder.snapshot() == before);
+}
+
+#[test]
+fn a_pyramid_of_one_technique_says_whether_it_is_weighted() {
+    let folder = Folder::with_room("pyramid_one");
+    for (options, words) in [(&[][..], "weighted"), (&["--unweighted"], "unweighted")] {
+        folder.rendered("a.exr", &[&["--technique", "1,2", "--pyramid", "P"], options].concat());
+        assert_eq!(exr_header(&folder.path("P/s1_t2.exr")).0["twinlight:technique"], format!("1,2 {words}"));
+    }
+}
+
+#[test]
+fn a_technique_that_finds_nothing_in_the_scene_is_noted() {
+    let folder = Folder::with_room("black_technique");
+    let scene = |name: &str, lights: &str, surfaces: &str| {
+        let camera = r#"{"transform": {"translate": [0, 0, 1]}, "resolution": 2}"#;
+        let text = r#""image_samples": 1, "lights""#;
+        folder.write(name, format!(r#"{{"camera": {camera}, {text}: [{lights}], "surfaces": [{surfaces}]}}"#));
+    };
+    let floor = r#"{"type": "quad", "material": {"type": "lambertian", "albedo": 0.5}}"#;
+    let point = r#"{"type": "point", "position": [0, 0.5, 1], "intensity": 1}"#;
+    let sky = r#"{"type": "constant", "radiance": 1}"#;
+    scene("point.json", point, floor);
+    scene("sky.json", sky, floor);
+    scene("mirror.json", sky, r#"{"type": "quad", "material": {"type": "mirror"}}"#);
+    scene("dark.json", "", floor);
+    let chance = "paths can hit no light by chance: all are point, spot or directional lights";
+    let area = "no light is a surface, which alone could be connected to the camera";
+    let delta = "no surface can be connected to: all are mirrors, smooth glass or reflect nothing";
+    for (args, why) in [
+        ("room.json --technique 0,2", None),
+        ("room.json --technique 1,1", None),
+        ("room.json --technique 2,2", None),
+        ("point.json --technique 0,2", Some(chance)),
+        ("point.json --technique 0,4 --unweighted", Some(chance)),
+        ("point.json --technique 1,1 --integrator light", Some(area)),
+        ("point.json --technique 1,2", None),
+        ("point.json --technique 2,1", None),
+        ("sky.json --technique 0,2", None),
+        ("sky.json --technique 1,1", Some(area)),
+        ("mirror.json --technique 0,3", None),
+        ("mirror.json --technique 1,2", Some(delta)),
+        ("mirror.json --technique 2,1", Some(delta)),
+        ("mirror.json", None),
+        ("dark.json --technique 0,2", None),
+    ] {
+        let said = folder.ok(&[vec!["render"], args.split(' ').collect(), vec!["-o", "a.exr"]].concat()).stderr;
+        let notes: Vec<&str> = said.lines().filter_map(|l| l.strip_prefix("note: ")).collect();
+        let technique = args.split(' ').nth(2).unwrap_or_default();
+        let expected = why.map(|why| format!("--technique {technique}: the image will be black: {why}"));
+        assert_eq!(notes, Vec::from_iter(expected), "{args}: {said}");
+        // It is, and where nothing is said there is light.
+        if !args.starts_with("dark") {
+            let options = ["--spp", "64", "--size", "16x16", "-q", "-o", "a.exr"];
+            folder.ok(&[vec!["render"], args.split(' ').collect(), options.to_vec()].concat());
+            assert_eq!(folder.image("a.exr").mean() == [0.0; 3], why.is_some(), "{args}");
+        }
+    }
 }
 
 #[test]
