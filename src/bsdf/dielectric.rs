@@ -30,7 +30,13 @@ pub(super) fn sample_mirror(albedo: Rgb, at: &SurfacePoint, wo: Vec3, transport:
 
 /// A pane: reflection, or straight transmission, each with what bounces back and forth inside summed up. Reflectance F
 /// of one face becomes 2F/(1 + F) of both.
-pub(super) fn sample_thin(ior: f32, at: &SurfacePoint, wo: Vec3, lobe: f32, transport: Transport) -> Option<BsdfSample> {
+pub(super) fn sample_thin(
+    ior: f32,
+    at: &SurfacePoint,
+    wo: Vec3,
+    lobe: f32,
+    transport: Transport,
+) -> Option<BsdfSample> {
     let front = wo.dot(at.ng) > 0.0;
     let n = if front { at.ns } else { -at.ns };
     let cos_o = wo.dot(n);

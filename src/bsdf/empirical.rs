@@ -136,8 +136,8 @@ impl Empirical {
     fn between(&self, local: &Local, wi: Vec3) -> Option<BsdfValue> {
         let (f, pdf) = self.shape.value(local.wo, wi);
         let reverse = if self.shape.is_symmetric() { pdf } else { cosine_hemisphere_pdf(local.wo.z) };
-        // Far out a narrow lobe underflows: zero, and the same zero the other way.
-        (f > 0.0 && pdf > 0.0).then_some(BsdfValue {
+        // Far out a narrow lobe's density underflows, and the other way alike.
+        (pdf > 0.0).then_some(BsdfValue {
             f: Rgb::from(self.albedo) * f,
             pdf_fwd: SolidAnglePdf(pdf),
             pdf_rev: SolidAnglePdf(reverse),
