@@ -10,10 +10,23 @@
 //!
 //! The forward density (of `wi` given `wo`) and the reverse one (of `wo` given `wi`) come from one call.
 
+mod coat;
+mod conductor;
 mod dielectric;
+mod empirical;
+mod fresnel;
 mod lambertian;
+mod local;
+mod microfacet;
+mod plastic;
+mod rough_dielectric;
 
-pub use dielectric::fresnel_dielectric;
+pub use conductor::{Conductor, Reflectance};
+pub use empirical::{Empirical, Shape};
+pub use fresnel::{fresnel_conductor, fresnel_dielectric, fresnel_schlick, hemispherical_dielectric};
+pub use microfacet::{Distribution, Masking, Roughness};
+pub use plastic::Plastic;
+pub use rough_dielectric::RoughDielectric;
 
 use crate::geometry::SurfacePoint;
 use crate::math::{Rgb, Vec3};
@@ -54,6 +67,26 @@ pub enum Bsdf {
     },
     /// Index-matched window: paths go straight through, connections are blocked.
     Null,
+    /// Rough conductor.
+    Conductor(Conductor),
+    /// Smooth conductor.
+    SmoothConductor {
+        /// Of the surface.
+        reflectance: Reflectance,
+        /// Whether the back reflects as well.
+        two_sided: bool,
+    },
+    /// Rough interface between two dielectrics.
+    RoughDielectric(RoughDielectric),
+    /// Thin pane: reflects, and lets through without bending.
+    ThinDielectric {
+        /// Index of refraction of the pane over that around it.
+        ior: f32,
+    },
+    /// Diffuse base under a dielectric coat. A smooth coat is a delta lobe beside the base's, which is not.
+    Plastic(Plastic),
+    /// Oren–Nayar, Phong, Blinn–Phong.
+    Empirical(Empirical),
 }
 
 /// A sampled continuation of a subpath.
@@ -89,7 +122,66 @@ impl Bsdf {
     /// Whether connections can be made at the surface: some lobe is not a delta.
     #[inline]
     pub fn is_connectible(&self) -> bool {
-        matches!(self, Self::Lambertian { .. })
+        match self {
+            Self::Lambertian { .. }
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::Plastic(_)
+            | Self::Empirical(_) => true,
+            Self::Black
+            | Self::Mirror { .. }
+            | Self::Dielectric { .. }
+            | Self::Null
+            | Self::SmoothConductor { .. }
+            | Self::ThinDielectric { .. } => false,
+        }
+    }
+
+    /// Whether some lobe is a delta, which no connection finds.
+    pub fn has_delta_lobe(&self) -> bool {
+        match self {
+            Self::Mirror { .. }
+            | Self::Dielectric { .. }
+            | Self::SmoothConductor { .. }
+            | Self::ThinDielectric { .. } => true,
+            Self::Plastic(plastic) => plastic.is_smooth(),
+            Self::Lambertian { .. }
+            | Self::Black
+            | Self::Null
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::Empirical(_) => false,
+        }
+    }
+
+    /// A conductor of GGX or Beckmann facets with the roughness `alpha` along and across the tangent; a smooth one
+    /// below what can be told from it.
+    pub fn conductor(
+        reflectance: Reflectance,
+        alpha: [f32; 2],
+        distribution: Distribution,
+        masking: Masking,
+        two_sided: bool,
+    ) -> Self {
+        match microfacet::rough(alpha) {
+            Some(alpha) => {
+                let roughness = Roughness::new(alpha);
+                Self::Conductor(Conductor { reflectance, roughness, distribution, masking, two_sided })
+            }
+            None => Self::SmoothConductor { reflectance, two_sided },
+        }
+    }
+
+    /// An interface between two dielectrics with GGX facets of the roughness `alpha` along and across the tangent; a
+    /// smooth one below what can be told from it.
+    pub fn dielectric(ior: f32, transmittance: Rgb, alpha: [f32; 2]) -> Self {
+        match rough_dielectric::rough(ior, alpha) {
+            Some(alpha) => {
+                let (transmittance, roughness) = (transmittance.to_array(), Roughness::new(alpha));
+                Self::RoughDielectric(RoughDielectric { ior, transmittance, roughness })
+            }
+            None => Self::Dielectric { ior, transmittance },
+        }
     }
 
     /// Whether the model scatters at all.
@@ -114,6 +206,7 @@ impl Bsdf {
             Self::Mirror { albedo } => dielectric::sample_mirror(albedo, at, wo, transport),
             Self::Dielectric { ior, transmittance } => dielectric::sample(ior, transmittance, at, wo, lobe, transport),
             Self::Black | Self::Null => None,
+            _ => self.sample_other(at, wo, lobe, u, transport),
         }
     }
 
@@ -123,6 +216,48 @@ impl Bsdf {
         match *self {
             Self::Lambertian { albedo, two_sided } => lambertian::eval(albedo, two_sided, at, wo, wi, transport),
             Self::Mirror { .. } | Self::Dielectric { .. } | Self::Black | Self::Null => None,
+            _ => self.eval_other(at, wo, wi, transport),
+        }
+    }
+
+    /// The larger models, kept out of the loops that `sample` is inlined into: a scene without them pays nothing.
+    #[inline(never)]
+    fn sample_other(
+        &self,
+        at: &SurfacePoint,
+        wo: Vec3,
+        lobe: f32,
+        u: [f32; 2],
+        transport: Transport,
+    ) -> Option<BsdfSample> {
+        match self {
+            Self::Conductor(b) => b.sample(at, wo, u, transport),
+            Self::SmoothConductor { reflectance, two_sided } => {
+                conductor::sample_smooth(reflectance, *two_sided, at, wo, transport)
+            }
+            Self::RoughDielectric(b) => b.sample(at, wo, lobe, u, transport),
+            Self::ThinDielectric { ior } => dielectric::sample_thin(*ior, at, wo, lobe, transport),
+            Self::Plastic(b) => b.sample(at, wo, lobe, u, transport),
+            Self::Empirical(b) => b.sample(at, wo, u, transport),
+            Self::Lambertian { .. } | Self::Mirror { .. } | Self::Dielectric { .. } | Self::Black | Self::Null => None,
+        }
+    }
+
+    /// See `sample_other`.
+    #[inline(never)]
+    fn eval_other(&self, at: &SurfacePoint, wo: Vec3, wi: Vec3, transport: Transport) -> Option<BsdfValue> {
+        match self {
+            Self::Conductor(b) => b.eval(at, wo, wi, transport),
+            Self::RoughDielectric(b) => b.eval(at, wo, wi, transport),
+            Self::Plastic(b) => b.eval(at, wo, wi, transport),
+            Self::Empirical(b) => b.eval(at, wo, wi, transport),
+            Self::SmoothConductor { .. }
+            | Self::ThinDielectric { .. }
+            | Self::Lambertian { .. }
+            | Self::Mirror { .. }
+            | Self::Dielectric { .. }
+            | Self::Black
+            | Self::Null => None,
         }
     }
 }
@@ -148,3 +283,6 @@ pub fn radiance_scale(eta: f32, transport: Transport) -> f32 {
         Transport::Importance => 1.0,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,16 +4,31 @@ use std::collections::HashMap;
 
 use super::context::{Context, Keys, Object, Type, did_you_mean, list, nearest};
 use super::json::{Kind, Node, excerpt, printable};
-use super::value::{EMISSION, FALLOFF, HALF_ANGLE, IOR, NON_NEGATIVE, UNIT};
-use crate::scene::desc::{Color, MaterialDesc, MaterialKind, Param, Place};
+use super::models;
+use super::value::{EMISSION, FALLOFF, HALF_ANGLE, IOR, UNIT};
+use crate::scene::desc::{Color, EmpiricalModel, Facets, FresnelDesc, MaterialDesc, MaterialKind, Param, Place};
 
 /// The types that are built.
-const SUPPORTED: &[&str] =
-    &["lambertian", "mirror", "metal", "dielectric", "diffuse light", "point light", "spot light", "null"];
+const SUPPORTED: &[&str] = &[
+    "lambertian",
+    "mirror",
+    "metal",
+    "dielectric",
+    "diffuse light",
+    "point light",
+    "spot light",
+    "null",
+    "conductor",
+    "plastic",
+    "thin dielectric",
+    "phong",
+    "blinnphong",
+    "beckmann",
+    "oren-nayar",
+];
 
 /// The types that the format names and that are not built yet.
-const LATER: &[&str] =
-    &["conductor", "plastic", "thin dielectric", "blend", "phong", "blinnphong", "beckmann", "oren-nayar"];
+const LATER: &[&str] = &["blend"];
 
 /// Material keys of surfaces that are textures.
 const LATER_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
@@ -21,7 +36,7 @@ const LATER_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
 /// Keys of some material.
 const OWN_KEYS: &[&str] =
     &["albedo", "two_sided", "emit", "emit_two_sided", "ior", "transmittance", "inner_angle", "outer_angle", "falloff"];
-const OWN_IDLE_KEYS: &[&str] = &["roughness", "profile"];
+const OWN_IDLE_KEYS: &[&str] = &["profile"];
 
 /// Names listed in a message.
 const MAX_NAMES: usize = 20;
@@ -64,6 +79,15 @@ pub(super) fn type_name(kind: &MaterialKind) -> &'static str {
         MaterialKind::Null => "null",
         MaterialKind::PointLight { .. } => "point light",
         MaterialKind::SpotLight { .. } => "spot light",
+        MaterialKind::Conductor { facets: Facets::Ggx, .. } => "conductor",
+        MaterialKind::Conductor { facets: Facets::Beckmann, .. } => "beckmann",
+        MaterialKind::Plastic { .. } => "plastic",
+        MaterialKind::ThinDielectric { .. } => "thin dielectric",
+        MaterialKind::Empirical { model, .. } => match model {
+            EmpiricalModel::OrenNayar { .. } => "oren-nayar",
+            EmpiricalModel::Phong { .. } => "phong",
+            EmpiricalModel::BlinnPhong { .. } => "blinnphong",
+        },
     }
 }
 
@@ -132,12 +156,14 @@ impl<'a> Context<'a> {
         };
         let kind = match name_of_type {
             "lambertian" => self.lambertian(object),
-            "mirror" | "metal" => self.mirror(object, name_of_type == "metal"),
+            "mirror" => self.mirror(object),
+            "metal" => self.metal(object),
             "dielectric" => self.dielectric(object),
             "diffuse light" => return self.diffuse_light(object, name, at),
             "point light" => self.point_light(object),
             "spot light" => self.spot_light(object),
-            _ => self.null(object),
+            "null" => self.null(object),
+            _ => self.model(object, name_of_type),
         };
         let (emit, emit_two_sided) = match name_of_type {
             // Their `emit` is an intensity, or an error already reported.
@@ -150,7 +176,7 @@ impl<'a> Context<'a> {
     /// Checks what can be checked in a material whose type is missing or unknown: the keys, and the colours that mean the
     /// same in all types.
     fn unknown_material(&mut self, object: &Object<'a>) -> Option<MaterialDesc> {
-        self.check_material_keys(object, OWN_KEYS, OWN_IDLE_KEYS);
+        self.check_material_keys(object, &[OWN_KEYS, models::OWN_KEYS].concat(), OWN_IDLE_KEYS);
         self.required(object, "type");
         for (key, range) in [("albedo", UNIT), ("transmittance", UNIT), ("emit", EMISSION)] {
             object.get(key).and_then(|node| self.color(node, range));
@@ -159,13 +185,13 @@ impl<'a> Context<'a> {
     }
 
     /// Reports unknown keys of a material with the given keys of its own.
-    fn check_material_keys(&mut self, object: &Object<'a>, own: &[&str], idle: &[&str]) {
+    pub fn check_material_keys(&mut self, object: &Object<'a>, own: &[&str], idle: &[&str]) {
         let allowed = [&["type", "name"], own].concat();
         self.check_keys(object, &Keys { allowed: &allowed, idle, later: LATER_KEYS });
     }
 
     /// A colour in [0,1] with an optional default.
-    fn reflectance(&mut self, object: &Object<'a>, key: &str, default: Option<f64>) -> Option<Param<Color>> {
+    pub fn reflectance(&mut self, object: &Object<'a>, key: &str, default: Option<f64>) -> Option<Param<Color>> {
         match (object.get(key), default) {
             (Some(node), _) => self.color(node, UNIT).map(Param::Value),
             (None, Some(default)) => Some(Param::Value([default; 3])),
@@ -176,7 +202,7 @@ impl<'a> Context<'a> {
         }
     }
 
-    fn flag(&mut self, object: &Object<'a>, key: &str) -> Option<bool> {
+    pub fn flag(&mut self, object: &Object<'a>, key: &str) -> Option<bool> {
         object.get(key).map_or(Some(false), |node| self.boolean(node))
     }
 
@@ -187,34 +213,36 @@ impl<'a> Context<'a> {
         Some(MaterialKind::Lambertian { albedo: albedo?, two_sided: two_sided? })
     }
 
-    fn mirror(&mut self, object: &Object<'a>, metal: bool) -> Option<MaterialKind> {
-        self.check_material_keys(
-            object,
-            &["albedo", "emit", "emit_two_sided"],
-            if metal { &["roughness"] } else { &[] },
-        );
+    fn mirror(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
+        self.check_material_keys(object, &["albedo", "emit", "emit_two_sided"], &[]);
         let albedo = self.reflectance(object, "albedo", Some(1.0));
-        if metal {
-            self.smooth(object);
-        }
         Some(MaterialKind::Mirror { albedo: albedo? })
     }
 
-    /// Reports a roughness above 0: rough models are not built yet.
-    fn smooth(&mut self, object: &Object<'a>) {
-        if let Some(node) = object.get("roughness") {
-            if self.scalar(node, NON_NEGATIVE).is_some_and(|alpha| alpha > 0.0) {
-                self.error(node, format!("roughness {} is not supported yet; supported: 0 (smooth)", node.text));
-            }
+    /// The mirror, blurred where it is rough; on both sides, as the mirror is.
+    fn metal(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
+        self.check_material_keys(object, &["albedo", "roughness", "emit", "emit_two_sided"], &[]);
+        let albedo = self.reflectance(object, "albedo", Some(1.0));
+        let roughness = self.alphas(object, 0.0);
+        let (albedo, roughness) = (albedo?, roughness?);
+        if roughness == [Param::Value(0.0); 2] {
+            return Some(MaterialKind::Mirror { albedo });
         }
+        Some(MaterialKind::Conductor {
+            fresnel: FresnelDesc::Constant { albedo },
+            roughness,
+            facets: Facets::Ggx,
+            separable_masking: false,
+            two_sided: true,
+        })
     }
 
     fn dielectric(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
-        self.check_material_keys(object, &["ior", "transmittance", "emit", "emit_two_sided"], &["roughness"]);
+        self.check_material_keys(object, &["ior", "transmittance", "roughness", "emit", "emit_two_sided"], &[]);
         let ior = object.get("ior").map_or(Some(1.5), |node| self.number(node, IOR));
         let transmittance = self.reflectance(object, "transmittance", Some(1.0));
-        self.smooth(object);
-        Some(MaterialKind::Dielectric { ior: ior?, transmittance: transmittance? })
+        let roughness = self.alphas(object, 0.0);
+        Some(MaterialKind::Dielectric { ior: ior?, transmittance: transmittance?, roughness: roughness? })
     }
 
     fn diffuse_light(&mut self, object: &Object<'a>, name: Option<String>, at: Place) -> Option<MaterialDesc> {

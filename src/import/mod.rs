@@ -12,6 +12,7 @@ mod json;
 mod lights;
 mod materials;
 mod mesh_file;
+mod models;
 mod obj;
 mod ply;
 mod ply_header;

@@ -25,8 +25,18 @@ pub(super) const POSITIVE: Range = Range { text: "above 0", holds: |x| x > 0.0 }
 pub(super) const IOR: Range = Range { text: "0.001 to 1000", holds: |x| (1e-3..=1e3).contains(&x) };
 /// Exponents of a spot's rim: beyond it the rim is thinner than f32 can sample.
 pub(super) const FALLOFF: Range = Range { text: "0 to 10000", holds: |x| (0.0..=1e4).contains(&x) };
-/// Roughnesses and exponents.
+/// Sizes of a filter or a lens, where 0 is none.
 pub(super) const NON_NEGATIVE: Range = Range { text: "0 or above", holds: |x| x >= 0.0 };
+/// Imaginary parts of indices of refraction.
+pub(super) const EXTINCTION: Range = Range { text: "0 to 1000", holds: |x| (0.0..=1e3).contains(&x) };
+/// Indices of a coat over what is outside it.
+pub(super) const IOR_COAT: Range = Range { text: "1 to 1000", holds: |x| (1.0..=1e3).contains(&x) };
+/// Roughness α of facets: at 1 their normals fill the hemisphere.
+pub(super) const ROUGHNESS: Range = Range { text: "0 to 1", holds: |x| (0.0..=1.0).contains(&x) };
+/// Exponents of lobes: beyond it they are narrower than 32-bit directions.
+pub(super) const EXPONENT: Range = Range { text: "0 to 1000000", holds: |x| (0.0..=1e6).contains(&x) };
+/// Standard deviations of slope angles.
+pub(super) const SLOPE: Range = Range { text: "0 to 1.5708 radians", holds: |x| (0.0..=1.5708).contains(&x) };
 /// Radiance and radiant intensity: rendering computes in 32-bit floats.
 pub(super) const EMISSION: Range = Range { text: "0 to 3.4e38", holds: |x| x >= 0.0 && (x as f32).is_finite() };
 /// Half-angles of a spot's cone.

@@ -46,6 +46,38 @@ pub fn direction_from_versine(versine: f32, phi: f32) -> Vec3 {
     Vec3::new(sin * c, sin * s, 1.0 - versine)
 }
 
+/// A visible normal of the microfacets of a GGX surface with the roughness `alpha` along x and y, seen from the unit
+/// direction `wo` with `wo.z > 0`: density `D_wo(m) = G1(wo) max(0, wo·m) D(m) / wo.z` per solid angle of the normal.
+///
+/// Stretching the microsurface to a hemisphere, the visible normals are the half vectors of `wo` and a direction
+/// uniform in a spherical cap (Dupuy, Benyoub 2023, listing 3). `None` where rounding leaves no normal.
+#[inline]
+pub fn ggx_visible_normal(alpha: [f32; 2], wo: Vec3, u: [f32; 2]) -> Option<Vec3> {
+    let stretch = Vec3::new(alpha[0], alpha[1], 1.0);
+    let seen = (wo * stretch).try_normalize()?;
+    // The cap z > −seen.z, by its versine: near the pole the digits of small roughness are there.
+    let cap = direction_from_versine(u[1] * (1.0 + seen.z), 2.0 * PI * u[0]);
+    let m = (cap + seen) * stretch;
+    Vec3::new(m.x, m.y, m.z.max(0.0)).try_normalize()
+}
+
+/// A microfacet normal of a Beckmann surface with the roughness `alpha` along x and y: density `D(m) m.z` per solid
+/// angle (Walter et al. 2007, (28), (29)).
+#[inline]
+pub fn beckmann_normal(alpha: [f32; 2], u: [f32; 2]) -> Vec3 {
+    // Slopes are normal deviates with the variance α²/2 along each axis.
+    let radius = (-(-u[1]).ln_1p()).sqrt();
+    let (sin, cos) = (2.0 * PI * u[0]).sin_cos();
+    Vec3::new(alpha[0] * radius * cos, alpha[1] * radius * sin, 1.0).normalize()
+}
+
+/// A direction around +z with density `(n+1)/(2π) cosⁿθ` per solid angle of the hemisphere.
+#[inline]
+pub fn cosine_power(exponent: f32, u: [f32; 2]) -> Vec3 {
+    // cosθ = (1 − u)^{1/(n+1)}, as its versine.
+    direction_from_versine(-((-u[1]).ln_1p() / (exponent + 1.0)).exp_m1(), 2.0 * PI * u[0])
+}
+
 /// Barycentric weights of the second and third corner of a triangle, uniform in area
 /// (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
 #[inline]
@@ -105,6 +137,17 @@ mod tests {
                 let d = cosine_hemisphere([a, b]);
                 assert!(d.is_finite() && (d.length() - 1.0).abs() < 1e-3 && d.z >= 0.0, "{d:?}");
                 assert!((uniform_sphere([a, b]).length() - 1.0).abs() < 1e-5);
+                for m in [beckmann_normal([1e-4, 0.5], [a, b]), cosine_power(0.0, [a, b]), cosine_power(1e6, [a, b])] {
+                    assert!((m.length() - 1.0).abs() < 1e-5 && m.z >= 0.0, "{m:?}");
+                }
+                for wo in [Vec3::Z, Vec3::new(1.0, 0.0, 1.745e-5), Vec3::new(0.6, 0.0, 0.8)] {
+                    for alpha in [[1e-4, 1e-4], [1e-4, 0.5], [1.0, 1.0]] {
+                        // No normal is left where the cap's rim is exactly opposite to the view.
+                        if let Some(m) = ggx_visible_normal(alpha, wo, [a, b]) {
+                            assert!((m.length() - 1.0).abs() < 1e-5 && m.z >= 0.0, "{m:?}");
+                        }
+                    }
+                }
                 let [u, v] = uniform_triangle([a, b]);
                 assert!(u >= 0.0 && v >= 0.0 && u + v <= 1.0);
             }

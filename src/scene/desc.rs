@@ -142,12 +142,54 @@ pub enum MaterialKind {
         /// Fraction of light reflected at every angle, in [0,1].
         albedo: Param<Color>,
     },
-    /// Smooth dielectric interface; `ior` is the index on the side the normal points away from, over the other side's.
+    /// Smooth or rough dielectric interface; `ior` is the index on the side the normal points away from, over the other side's.
     Dielectric {
         /// Relative index of refraction, above 0.
         ior: f64,
         /// Scales what is transmitted, in [0,1].
         transmittance: Param<Color>,
+        /// GGX α along and across the tangent, in [0,1].
+        roughness: [Param<f64>; 2],
+    },
+    /// Rough or smooth conductor.
+    Conductor {
+        /// What its facets reflect.
+        fresnel: FresnelDesc,
+        /// α along and across the tangent, in [0,1].
+        roughness: [Param<f64>; 2],
+        /// How their normals are distributed.
+        facets: Facets,
+        /// Whether masking and shadowing are independent, or correlated by height.
+        separable_masking: bool,
+        /// Whether the back reflects as well.
+        two_sided: bool,
+    },
+    /// Diffuse base under a smooth or rough dielectric coat.
+    Plastic {
+        /// Of the base, in [0,1].
+        albedo: Param<Color>,
+        /// Index of refraction of the coat, at least 1.
+        ior: f64,
+        /// GGX α of the coat, in [0,1].
+        roughness: Param<f64>,
+        /// Whether light that goes back and forth under the coat takes on the base's colour each time.
+        nonlinear: bool,
+        /// Whether the back reflects as well.
+        two_sided: bool,
+    },
+    /// A pane: reflection and straight transmission.
+    ThinDielectric {
+        /// Relative index of refraction, above 0.
+        ior: f64,
+    },
+    /// A phenomenological model.
+    Empirical {
+        /// Factor of the whole, in [0,1].
+        albedo: Param<Color>,
+        /// Which.
+        model: EmpiricalModel,
+        /// Whether the back reflects as well.
+        two_sided: bool,
     },
     /// Reflects nothing (a `diffuse light`; its emission is in `MaterialDesc::emit`).
     Black,
@@ -203,6 +245,57 @@ pub enum InfiniteLightKind {
         texels: Vec<[f32; 3]>,
         /// The image's frame (top +y, middle −z) to the world: a rotation.
         transform: DMat3,
+    },
+}
+
+/// What the facets of a conductor reflect, per channel.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FresnelDesc {
+    /// Fresnel's formulas with the index η − ik.
+    Index {
+        /// η, above 0.
+        eta: Param<Color>,
+        /// k, 0 or above.
+        k: Param<Color>,
+    },
+    /// Schlick's approximation.
+    Schlick {
+        /// Reflectance at normal incidence, in [0,1].
+        albedo: Param<Color>,
+    },
+    /// The same at every angle.
+    Constant {
+        /// Reflectance, in [0,1].
+        albedo: Param<Color>,
+    },
+}
+
+/// Distributions of facet normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Facets {
+    /// GGX (Trowbridge–Reitz).
+    Ggx,
+    /// Beckmann.
+    Beckmann,
+}
+
+/// Phenomenological models, each with its parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EmpiricalModel {
+    /// Rough diffuse surface.
+    OrenNayar {
+        /// Standard deviation of the facets' slope angle, radians.
+        sigma: Param<f64>,
+    },
+    /// Lobe around the mirror direction.
+    Phong {
+        /// Of the cosine, 0 or above.
+        exponent: Param<f64>,
+    },
+    /// Lobe of the half vector around the normal.
+    BlinnPhong {
+        /// Of the cosine, 0 or above.
+        exponent: Param<f64>,
     },
 }
 

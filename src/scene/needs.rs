@@ -30,7 +30,7 @@ impl SceneNeeds {
             emitter_hits: lights.iter().any(|l| !l.is_delta()),
             delta_lights: lights.iter().any(Light::is_delta),
             connections: any(&|b| b.is_connectible()),
-            delta_surfaces: any(&|b| matches!(b, Bsdf::Mirror { .. } | Bsdf::Dielectric { .. })),
+            delta_surfaces: any(&Bsdf::has_delta_lobe),
             windows: any(&|b| matches!(b, Bsdf::Null)),
             light: !lights.is_empty(),
         }

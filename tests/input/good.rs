@@ -2,7 +2,9 @@
 
 use twinlight::import::load_scene;
 use twinlight::math::DVec3;
-use twinlight::scene::desc::{Heuristic, IntegratorKind, MaterialKind, Param, Place, SamplerKind, ShapeDesc};
+use twinlight::scene::desc::{
+    EmpiricalModel, Facets, FresnelDesc, Heuristic, IntegratorKind, MaterialKind, Param, Place, SamplerKind, ShapeDesc,
+};
 
 use super::{mesh_of, read, shared};
 
@@ -35,7 +37,11 @@ fn a_whole_scene() {
     assert_eq!((scene.integrator.russian_roulette, scene.integrator.heuristic), (false, Heuristic::Balance));
     assert_eq!((scene.sampler.kind, scene.sampler.seed), (SamplerKind::Independent, 7));
     assert_eq!(scene.materials[0].emit, [1.0, 2.0, 3.0]);
-    assert_eq!(scene.materials[1].kind, MaterialKind::Dielectric { ior: 1.0, transmittance: Param::Value([1.0; 3]) });
+    let roughness = [Param::Value(0.0); 2];
+    assert_eq!(
+        scene.materials[1].kind,
+        MaterialKind::Dielectric { ior: 1.0, transmittance: Param::Value([1.0; 3]), roughness }
+    );
     assert_eq!(scene.materials[2].kind, MaterialKind::Mirror { albedo: Param::Value([1.0; 3]) });
     // A quad turned by +90° about x faces down, exactly.
     let down = scene.surfaces[0].transform.matrix3 * DVec3::Z;
@@ -101,13 +107,77 @@ fn what_dirt_writes_is_read_with_notes() {
 #[test]
 fn cornell_boxes_load() {
     let Some(folder) = shared("cornell") else { return };
-    for (name, surfaces) in [("area", 6), ("glass", 6), ("point", 6), ("spot", 6)] {
+    for (name, surfaces) in [("area", 6), ("glass", 6), ("point", 6), ("spot", 6), ("glossy", 6)] {
         let scene = load_scene(&folder.join(format!("cornell_{name}.json"))).unwrap();
         assert_eq!(scene.surfaces.len(), surfaces, "{name}");
         assert_eq!(scene.camera.resolution, [256, 256], "{name}");
         assert!(scene.notes.is_empty(), "{name}: {:?}", scene.notes);
     }
-    let error = load_scene(&folder.join("cornell_glossy.json")).unwrap_err().to_string();
-    assert!(error.contains("/materials/3/type: material type \"conductor\" is not supported yet"), "{error}");
-    assert_eq!(error.lines().count(), 1, "{error}");
+}
+
+#[test]
+fn models_of_reflection() {
+    let scene = read(
+        r#"{"camera": {}, "materials": [
+            {"name": "gold", "type": "conductor", "eta": [0.14, 0.37, 1.44], "k": [3.98, 2.39, 1.6], "roughness": [0.1, 0.3]},
+            {"name": "f0", "type": "conductor", "albedo": 0.9, "two_sided": true},
+            {"name": "test", "type": "conductor", "albedo": 1, "fresnel": "none", "masking": "separable"},
+            {"name": "old", "type": "beckmann", "albedo": [1, 0, 1], "roughness": 0},
+            {"name": "brushed", "type": "metal", "albedo": 0.5, "roughness": 0.2},
+            {"name": "chrome", "type": "metal", "roughness": 0},
+            {"name": "frosted", "type": "dielectric", "roughness": 0.3},
+            {"name": "varnish", "type": "plastic", "albedo": 0.5, "nonlinear": true},
+            {"name": "pane", "type": "thin dielectric", "ior": 1.3},
+            {"name": "p", "type": "phong", "albedo": 1, "exponent": 10, "emit": 3},
+            {"name": "b", "type": "blinnphong", "albedo": 1, "exponent": 1e6},
+            {"name": "clay", "type": "oren-nayar", "albedo": 0.6, "sigma": 0.35, "two_sided": true}
+        ]}"#,
+    )
+    .unwrap();
+    let value = Param::Value;
+    let conductor = |fresnel, roughness: [f64; 2], facets, separable_masking, two_sided| MaterialKind::Conductor {
+        fresnel,
+        roughness: roughness.map(Param::Value),
+        facets,
+        separable_masking,
+        two_sided,
+    };
+    let (eta, k) = (value([0.14, 0.37, 1.44]), value([3.98, 2.39, 1.6]));
+    let wanted = [
+        conductor(FresnelDesc::Index { eta, k }, [0.1, 0.3], Facets::Ggx, false, false),
+        conductor(FresnelDesc::Schlick { albedo: value([0.9; 3]) }, [0.1; 2], Facets::Ggx, false, true),
+        conductor(FresnelDesc::Constant { albedo: value([1.0; 3]) }, [0.1; 2], Facets::Ggx, true, false),
+        conductor(FresnelDesc::Schlick { albedo: value([1.0, 0.0, 1.0]) }, [0.0; 2], Facets::Beckmann, false, false),
+        conductor(FresnelDesc::Constant { albedo: value([0.5; 3]) }, [0.2; 2], Facets::Ggx, false, true),
+        MaterialKind::Mirror { albedo: value([1.0; 3]) },
+        MaterialKind::Dielectric { ior: 1.5, transmittance: value([1.0; 3]), roughness: [value(0.3); 2] },
+        MaterialKind::Plastic {
+            albedo: value([0.5; 3]),
+            ior: 1.5,
+            roughness: value(0.1),
+            nonlinear: true,
+            two_sided: false,
+        },
+        MaterialKind::ThinDielectric { ior: 1.3 },
+        MaterialKind::Empirical {
+            albedo: value([1.0; 3]),
+            model: EmpiricalModel::Phong { exponent: value(10.0) },
+            two_sided: false,
+        },
+        MaterialKind::Empirical {
+            albedo: value([1.0; 3]),
+            model: EmpiricalModel::BlinnPhong { exponent: value(1e6) },
+            two_sided: false,
+        },
+        MaterialKind::Empirical {
+            albedo: value([0.6; 3]),
+            model: EmpiricalModel::OrenNayar { sigma: value(0.35) },
+            two_sided: true,
+        },
+    ];
+    assert_eq!(scene.materials.len(), wanted.len());
+    for (found, wanted) in scene.materials.iter().zip(&wanted) {
+        assert_eq!(&found.kind, wanted, "{:?}", found.name);
+    }
+    assert_eq!(scene.materials[9].emit, [3.0; 3]);
 }

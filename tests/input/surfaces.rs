@@ -2,6 +2,9 @@
 
 use super::{each, expect_errors, read};
 
+const MATERIALS: &str = "lambertian, mirror, metal, dielectric, diffuse light, point light, spot light, null, conductor, \
+                         plastic, thin dielectric, phong, blinnphong, beckmann, oren-nayar";
+
 #[test]
 fn materials() {
     each(
@@ -17,14 +20,64 @@ fn materials() {
                 "/materials/0/albedo: textures are not supported yet; supported: a number or an array of numbers",
             ),
             (r#""type": "mirror", "albedo": «2"#, "/materials/0/albedo: 2 is out of range; allowed: 0 to 1"),
-            (r#""type": "metal", "roughness": «-1"#, "/materials/0/roughness: -1 is out of range; allowed: 0 or above"),
+            (r#""type": "metal", "roughness": «-1"#, "/materials/0/roughness: -1 is out of range; allowed: 0 to 1"),
             (
-                r#""type": "metal", "roughness": «0.2"#,
-                "/materials/0/roughness: roughness 0.2 is not supported yet; supported: 0 (smooth)",
+                r#""type": "conductor", "albedo": 1, "roughness": [0.1, «1.5]"#,
+                "/materials/0/roughness/1: 1.5 is out of range; allowed: 0 to 1",
             ),
             (
-                r#""type": "dielectric", "roughness": «0.2"#,
-                "/materials/0/roughness: roughness 0.2 is not supported yet; supported: 0 (smooth)",
+                r#""type": "conductor", "albedo": 1, "roughness": «[0.1]"#,
+                "/materials/0/roughness: expected an array of 2 numbers, or one number for all, found an array of length 1",
+            ),
+            (
+                r#""type": "conductor", "albedo": 1, "fresnel": «"exact""#,
+                "/materials/0/fresnel: unknown fresnel \"exact\"; allowed: schlick, none",
+            ),
+            (
+                r#""type": "conductor", "eta": 0.2, "k": [3, «-1, 2]"#,
+                "/materials/0/k/1: -1 is out of range; allowed: 0 to 1000",
+            ),
+            (
+                r#""type": "conductor", "eta": «0, "k": 3"#,
+                "/materials/0/eta: 0 is out of range; allowed: 0.001 to 1000",
+            ),
+            (
+                r#""type": "conductor", "eta": 1, "k": 3, "albedo": «1"#,
+                "/materials/0/albedo: \"albedo\" has no place beside \"eta\" and \"k\": they say what is reflected",
+            ),
+            (
+                r#""type": "conductor", "eta": 1, "k": 3, "fresnel": «"none""#,
+                "/materials/0/fresnel: \"fresnel\" has no place beside \"eta\" and \"k\": they say what is reflected",
+            ),
+            (
+                r#""type": "conductor", "albedo": 1, "masking": «"smith""#,
+                "/materials/0/masking: unknown masking \"smith\"; allowed: height_correlated, separable",
+            ),
+            (
+                r#""type": "beckmann", "albedo": 1, «"ab": 0.1"#,
+                "/materials/0/ab: unknown key \"ab\"; allowed: type, name, albedo, fresnel, eta, k, roughness, masking, two_sided, emit",
+            ),
+            (
+                r#""type": "plastic", "albedo": 1, "ior": «0.9"#,
+                "/materials/0/ior: 0.9 is out of range; allowed: 1 to 1000",
+            ),
+            (
+                r#""type": "plastic", "albedo": 1, "nonlinear": «1"#,
+                "/materials/0/nonlinear: expected true or false, found the number 1",
+            ),
+            (r#""type": "thin dielectric", "ior": «0"#, "/materials/0/ior: 0 is out of range; allowed: 0.001 to 1000"),
+            (
+                r#""type": "phong", "albedo": 1, "exponent": «-1"#,
+                "/materials/0/exponent: -1 is out of range; allowed: 0 to 1000000",
+            ),
+            (
+                r#""type": "blinnphong", "albedo": «1.2, "exponent": 1"#,
+                "/materials/0/albedo: 1.2 is out of range; allowed: 0 to 1",
+            ),
+            // Degrees, say.
+            (
+                r#""type": "oren-nayar", "albedo": 1, "sigma": «20"#,
+                "/materials/0/sigma: 20 is out of range; allowed: 0 to 1.5708 radians",
             ),
             (r#""type": "dielectric", "ior": «0"#, "/materials/0/ior: 0 is out of range; allowed: 0.001 to 1000"),
             (r#""type": "dielectric", "ior": «-1.5"#, "/materials/0/ior: -1.5 is out of range; allowed: 0.001 to 1000"),
@@ -55,7 +108,7 @@ fn materials() {
             // Keys that take nothing but their default are no advice.
             (
                 r#""type": "metal", «"color": 1"#,
-                "/materials/0/color: unknown key \"color\"; allowed: type, name, albedo, emit",
+                "/materials/0/color: unknown key \"color\"; allowed: type, name, albedo, roughness, emit",
             ),
             (
                 r#""type": "diffuse light", "emit": 1, «"color": 1"#,
@@ -64,7 +117,7 @@ fn materials() {
             // A slip in one is told all the same.
             (
                 r#""type": "metal", «"rougness": 1"#,
-                "/materials/0/rougness: unknown key \"rougness\"; did you mean \"roughness\"? allowed: type, name, albedo, emit",
+                "/materials/0/rougness: unknown key \"rougness\"; did you mean \"roughness\"? allowed: type, name, albedo, roughness, emit",
             ),
         ],
     );
@@ -81,13 +134,24 @@ fn materials() {
         r#"{"camera": {}, "materials": [{"name": "m", "type": "mirror"}, {"name": «"m", "type": "null"}]}"#,
         &["/materials/1/name: duplicate material name \"m\"; names must differ"],
     );
-    for later in ["conductor", "plastic", "thin dielectric", "blend", "phong", "blinnphong", "beckmann", "oren-nayar"] {
+    for (keys, missing) in [
+        (r#""type": "plastic""#, "\"albedo\""),
+        (r#""type": "oren-nayar", "albedo": 1"#, "\"sigma\""),
+        (r#""type": "phong", "albedo": 1"#, "\"exponent\""),
+        (r#""type": "blinnphong", "exponent": 1"#, "\"albedo\""),
+        (r#""type": "conductor", "eta": 1"#, "\"k\""),
+        (r#""type": "conductor", "k": 1"#, "\"eta\""),
+        (r#""type": "conductor""#, "\"albedo\", or \"eta\" and \"k\","),
+    ] {
+        expect_errors(
+            &format!(r#"{{"camera": {{}}, "materials": [«{{"name": "m", {keys}}}]}}"#),
+            &[&format!("/materials/0: {missing} is missing")],
+        );
+    }
+    for later in ["blend"] {
         expect_errors(
             &format!(r#"{{"camera": {{}}, "materials": [{{"name": "m", "type": «"{later}", "albedo": 1}}]}}"#),
-            &[&format!(
-                "/materials/0/type: material type \"{later}\" is not supported yet; supported: lambertian, mirror, metal, \
-                 dielectric, diffuse light, point light, spot light, null"
-            )],
+            &[&format!("/materials/0/type: material type \"{later}\" is not supported yet; supported: {MATERIALS}")],
         );
     }
 }
@@ -161,7 +225,6 @@ fn surfaces() {
 #[test]
 fn a_mistake_in_the_type_hides_no_other() {
     const SURFACES: &str = "quad, sphere, disk, triangle, mesh, delta point";
-    const MATERIALS: &str = "lambertian, mirror, metal, dielectric, diffuse light, point light, spot light, null";
     // What was meant is near: everything is checked.
     expect_errors(
         r#"{"camera": {}, "surfaces": [{"type": «"qaud", "size": [1, «0], «"sise": 1, "transform": «{"scale": 0},
@@ -189,7 +252,7 @@ fn a_mistake_in_the_type_hides_no_other() {
             "/materials/0: \"name\" is missing",
             &format!("/materials/0/type: unknown material type \"velvet\"; allowed: {MATERIALS}"),
             "/materials/0/albedo: 2 is out of range; allowed: 0 to 1",
-            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, ior, transmittance, inner_angle, outer_angle, falloff",
+            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, ior, transmittance, inner_angle, outer_angle, falloff, roughness, eta, k, fresnel, masking, nonlinear, exponent, sigma",
             "/materials/1: \"type\" is missing",
             "/materials/1: \"name\" is missing",
             "/materials/1/emit: -1 is out of range; allowed: 0 to 3.4e38",
