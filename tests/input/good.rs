@@ -2,7 +2,9 @@
 
 use twinlight::import::load_scene;
 use twinlight::math::DVec3;
-use twinlight::scene::desc::{Heuristic, IntegratorKind, MaterialKind, Param, Place, SamplerKind, ShapeDesc};
+use twinlight::scene::desc::{
+    FilterDesc, FilterKind, Heuristic, IntegratorKind, MaterialKind, Param, Place, Projection, SamplerKind, ShapeDesc,
+};
 
 use super::{mesh_of, read, shared};
 
@@ -30,7 +32,9 @@ fn a_whole_scene() {
 }"#;
     let scene = read(text).unwrap();
     assert_eq!(scene.camera.transform.translation.to_array(), [0.0, 1.0, 4.0]);
-    assert_eq!((scene.camera.resolution, scene.camera.vfov, scene.samples), ([32, 16], 90.0, 16));
+    assert_eq!((scene.camera.resolution, scene.samples), ([32, 16], 16));
+    assert_eq!(scene.camera.projection, Projection::Perspective { vfov: 90.0, fdist: 1.0, aperture: 0.0 });
+    assert_eq!(scene.camera.filter, FilterDesc { kind: FilterKind::Box, radius: 0.5 });
     assert_eq!((scene.integrator.kind, scene.integrator.max_bounces), (IntegratorKind::Path, 5));
     assert_eq!((scene.integrator.russian_roulette, scene.integrator.heuristic), (false, Heuristic::Balance));
     assert_eq!((scene.sampler.kind, scene.sampler.seed), (SamplerKind::Independent, 7));

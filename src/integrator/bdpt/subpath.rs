@@ -5,7 +5,7 @@ use super::{Bdpt, Vertex};
 use crate::accel::Accel;
 use crate::bsdf::{BsdfSample, Transport};
 use crate::integrator::light::dimensions as light_dimensions;
-use crate::integrator::path::dimensions as camera_dimensions;
+use crate::integrator::path::{camera_ray, dimensions as camera_dimensions};
 use crate::integrator::{Recorder, Roulette};
 use crate::math::{Ray, Rgb, distance_squared};
 use crate::sampling::Sampler;
@@ -25,7 +25,7 @@ impl Bdpt {
         let Some(emission) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };
         let pdf_position = (emission.pdf_position * pmf).0;
         if !light.is_delta() {
-            self.connect_light_to_camera(scene, light, &emission.point, pdf_position, recorder);
+            self.connect_light_to_camera(scene, light, &emission.point, pdf_position, &mut sampler, recorder);
         }
         if self.settings.max_bounces == 0 {
             return;
@@ -61,7 +61,7 @@ impl Bdpt {
             };
             let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };
             if vertex.bsdf.is_connectible() {
-                self.connect_to_camera(scene, &vertex, recorder);
+                self.connect_to_camera(scene, &vertex, &mut sampler, recorder);
                 self.light_vertices.push(vertex);
             }
             let block = light_dimensions::START + (number - 2) * light_dimensions::BLOCK;
@@ -91,7 +91,7 @@ impl Bdpt {
         if !scene.needs.light {
             return;
         }
-        let primary = scene.camera.generate_ray(pixel, sampler.next_2d());
+        let primary = camera_ray(&scene.camera, pixel, &mut sampler);
         let mut ray = primary.ray;
         let mut from = ray.o;
         let mut beta = Rgb::ONE;
@@ -108,7 +108,10 @@ impl Bdpt {
             }
             let d2 = distance_squared(from, at.p());
             let partial = match &departure {
-                None => self.mis.arrive_from_camera(f64::from(primary.pdf.0), d2, cos_in, !arrival.through_window),
+                None => {
+                    let d2 = scene.camera.edge_d2(from, at.p());
+                    self.mis.arrive_from_camera(primary.pdf.0, d2, cos_in, !arrival.through_window)
+                }
                 Some(departure) => self.mis.arrive(departure, d2, cos_in, !arrival.through_window),
             };
             let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };

@@ -14,12 +14,13 @@ mod paths;
 
 use rayon::prelude::*;
 
-use paths::{FullPath, Inner, random_path, scene};
+use paths::{FullPath, Inner, ORTHOGRAPHIC, PINHOLE, THIN_LENS, random_path, scene};
 
 use super::mis::{Departure, LightStart, Mis, Partial};
 use super::{Bdpt, Vertex};
 use crate::accel::bvh::BvhAccel;
 use crate::bsdf::{Bsdf, Transport};
+use crate::camera::CameraSample;
 use crate::integrator::{Crop, Settings};
 use crate::light::LightPoint;
 use crate::math::{Rgb, Vec3, distance_squared};
@@ -90,14 +91,18 @@ impl Judge<'_> {
         let k = path.inner.len() + 1; // the camera's index
         let light = &scene.lights[path.light as usize];
         let pmf = scene.light_choice.as_ref()?.pmf(path.light).0;
-        let camera = scene.camera.position();
+        // The lens point is the path's own; that of parallel rays follows from the vertex they see.
+        let last = path.inner.last().map_or(path.start.p(), |v| v.at.p());
+        let lens = scene.camera.sample_lens(last, &path.numbers)?;
+        let camera = lens.p;
         let p = |i: usize| match i {
             0 => path.start.p(),
             i if i == k => camera,
             i => path.inner[i - 1].at.p(),
         };
         let dir = |i: usize, j: usize| (p(j) - p(i)).normalize();
-        let d2 = |i: usize| distance_squared(p(i), p(i + 1)); // edge i, i+1
+        // Edge i, i+1; the camera's own edge has a density of its own kind.
+        let d2 = |i: usize| if i + 1 == k { scene.camera.edge_d2(camera, p(i)) } else { distance_squared(p(i), p(i + 1)) };
         let cos_in = |i: usize, from: usize| match i {
             0 => f64::from(path.start.cos(dir(0, from)).abs()),
             i => f64::from(path.inner[i - 1].at.ng.dot(dir(i, from)).abs()),
@@ -106,7 +111,6 @@ impl Judge<'_> {
         if le == Rgb::ZERO {
             return None;
         }
-        let lens = scene.camera.sample_lens(p(k - 1))?;
         // Joined points of one plane see each other edge-on; visibility, left out here, excludes them.
         if (0..k).any(|i| (i > 0 && cos_in(i, i - 1) < 1e-6) || cos_in(i, i + 1) < 1e-6) {
             return None;
@@ -146,7 +150,7 @@ impl Judge<'_> {
             w * cos_in(i, i - 1) / d2(i - 1)
         };
         let backward = |i: usize| {
-            let w = if i == k - 1 { f64::from(lens.pdf.0) } else { fc(i + 1).pdf_fwd };
+            let w = if i == k - 1 { lens.pdf.0 } else { fc(i + 1).pdf_fwd };
             w * cos_in(i, i + 1) / d2(i)
         };
         let density = |s: usize| {
@@ -186,7 +190,7 @@ impl Judge<'_> {
         let total: f64 = terms.iter().sum();
 
         // The production recursion along the same vertices.
-        let (light_side, camera_side) = self.subpaths(path, k, le, emission, direct, direction, &lens.pdf.0, &fl, &fc);
+        let (light_side, camera_side) = self.subpaths(path, k, le, emission, direct, direction, &lens, &fl, &fc);
         let mut verdicts = Vec::new();
         for s in (0..=k).filter(|&s| feasible(s)) {
             let value = |b: &Bdpt| -> Option<Rgb> {
@@ -195,8 +199,10 @@ impl Judge<'_> {
                         let z = camera_side(0);
                         Some(b.evaluate_emitter(scene, light, &path.start, &z, pmf))
                     }
-                    s if s == k && k == 1 => b.evaluate_light_in_lens(scene, light, &path.start, emission).map(|x| x.1),
-                    s if s == k => b.evaluate_lens(scene, &light_side(k - 1)).map(|x| x.1),
+                    s if s == k && k == 1 => {
+                        b.evaluate_light_in_lens(scene, light, &path.start, emission, &path.numbers).map(|x| x.1)
+                    },
+                    s if s == k => b.evaluate_lens(scene, &light_side(k - 1), &path.numbers).map(|x| x.1),
                     1 => b.evaluate_next_event(scene, light, &path.start, direct, pmf, &camera_side(1)),
                     s => b.evaluate_connection(&light_side(s - 1), &camera_side(s)),
                 }
@@ -219,13 +225,13 @@ impl Judge<'_> {
         emission: f64,
         direct: f64,
         direction: f64,
-        lens_pdf: &f32,
+        lens: &CameraSample,
         fl: &dyn Fn(usize) -> Scatter,
         fc: &dyn Fn(usize) -> Scatter,
     ) -> (impl Fn(usize) -> Vertex + 'p, impl Fn(usize) -> Vertex + 'p) {
         let mis: Mis = self.weighted.mis;
         let light = &self.scene.lights[path.light as usize];
-        let camera = self.scene.camera.position();
+        let camera = lens.p;
         let p = |i: usize| match i {
             0 => path.start.p(),
             i if i == k => camera,
@@ -275,11 +281,10 @@ impl Judge<'_> {
             };
             let wo = dir(i, i + 1);
             let cos = f64::from(wo.dot(at.ng).abs());
-            let d2 = distance_squared(p(i), p(i + 1));
             let open = !path.windows[i];
             let partial: Partial = match &departure {
-                None => mis.arrive_from_camera(f64::from(*lens_pdf), d2, cos, open),
-                Some(d) => mis.arrive(d, d2, cos, open),
+                None => mis.arrive_from_camera(lens.pdf.0, self.scene.camera.edge_d2(camera, at.p()), cos, open),
+                Some(d) => mis.arrive(d, distance_squared(p(i), p(i + 1)), cos, open),
             };
             let number = (k - i) as u32 + 1;
             cameras[i] = Some(Vertex { at, wo, bsdf, beta, partial, number });
@@ -344,7 +349,7 @@ impl Seen {
             // by that rounding over the edge's length and the cosine. Everywhere else the identity holds to rounding.
             let spread = (v.measurement / verdicts[0].measurement - 1.0).abs();
             if delta && spread >= 1e-4 {
-                let condition = path.condition(judge.scene);
+                let condition = path.condition();
                 seen.tail += 1;
                 seen.worst_tail = seen.worst_tail.max(spread);
                 seen.worst_condition = seen.worst_condition.max(condition);
@@ -377,14 +382,18 @@ impl Seen {
 
 #[test]
 fn weights_partition_unity_and_every_technique_measures_the_same() {
-    let scene = scene();
     let mut paths = 0;
-    for (heuristic, light_paths, connections, tries) in [
-        (Heuristic::Power, 1, 1, 2_000_000),
-        (Heuristic::Power, 3, 2, 500_000),
-        (Heuristic::Balance, 2, 1, 500_000),
-        (Heuristic::Uniform, 1, 1, 200_000),
+    for (camera, heuristic, light_paths, connections, tries) in [
+        (PINHOLE, Heuristic::Power, 1, 1, 2_000_000),
+        (PINHOLE, Heuristic::Power, 3, 2, 500_000),
+        (PINHOLE, Heuristic::Balance, 2, 1, 500_000),
+        (PINHOLE, Heuristic::Uniform, 1, 1, 200_000),
+        (THIN_LENS, Heuristic::Power, 2, 1, 200_000),
+        (THIN_LENS, Heuristic::Balance, 1, 1, 100_000),
+        (ORTHOGRAPHIC, Heuristic::Power, 2, 1, 200_000),
+        (ORTHOGRAPHIC, Heuristic::Balance, 1, 1, 100_000),
     ] {
+        let scene = scene(camera);
         let crop = Crop::full(scene.camera.resolution());
         let settings = Settings { heuristic, light_paths, connections, ..Settings::default() };
         let per_pass = f64::from(light_paths) * crop.pixels() as f64;
@@ -400,7 +409,7 @@ fn weights_partition_unity_and_every_technique_measures_the_same() {
         };
         let seen = (0..tries).into_par_iter().map(|i| Seen::path(&judge, i)).reduce(Seen::default, Seen::merge);
         println!(
-            "{heuristic:?} {light_paths}/{connections}: {} paths ({} with delta vertices), {} techniques; worst Σw−1 \
+            "{camera}: {heuristic:?} {light_paths}/{connections}: {} paths ({} with delta vertices), {} techniques; worst Σw−1 \
              {:.1e}, weight {:.1e}, identity {:.1e}; {} beyond 1e-4 next to delta vertices, by at most {:.1e}, where the condition is at \
              most {:.1e}; their ratio at most {:.2}",
             seen.paths,

@@ -3,8 +3,9 @@
 use crate::accel::bvh::BvhAccel;
 use crate::bsdf::{Bsdf, Transport};
 use crate::geometry::SurfacePoint;
+use crate::camera::LensNumbers;
 use crate::light::LightPoint;
-use crate::math::Ray;
+use crate::math::{Ray, Vec3};
 use crate::sampling::{Sampler, SamplerKind, Stream};
 use crate::scene::{Scene, prepare};
 
@@ -25,6 +26,9 @@ pub struct FullPath {
     pub light: u32,
     pub start: LightPoint,
     pub inner: Vec<Inner>,
+    /// The camera's end, where the camera walk started, and the numbers it was made with.
+    pub camera: Vec3,
+    pub numbers: LensNumbers,
     /// `windows[i]`: a window lies between vertex i and vertex i + 1.
     pub windows: Vec<bool>,
 }
@@ -33,10 +37,10 @@ impl FullPath {
     /// Relative error that the rounding of stored points causes at delta vertices: that of a direction is ε over the
     /// edge's length; Snell's law, cosθt² = 1 − (1 − cosθo²)/η², hands it on to the other cosine as
     /// d cosθt/cosθt = cosθo d cosθo/(η² cosθt²).
-    pub fn condition(&self, scene: &Scene<BvhAccel>) -> f64 {
+    pub fn condition(&self) -> f64 {
         let mut points = vec![self.start.p()];
         points.extend(self.inner.iter().map(|v| v.at.p()));
-        points.push(scene.camera.position());
+        points.push(self.camera);
         let mut sum = 0.0;
         for (i, v) in self.inner.iter().enumerate().filter(|(_, v)| !v.bsdf.is_connectible()) {
             for end in [points[i], points[i + 2]] {
@@ -76,7 +80,7 @@ fn walk(
 
 /// A box with an area light, a spot and a point light, a mirror, a glass sphere, a curved mesh and a window.
 const SCENE: &str = r#"{
- "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], "vfov": 50},
+ "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], @},
  "materials": [
   {"name": "white", "type": "lambertian", "albedo": [0.8, 0.7, 0.6], "two_sided": true},
   {"name": "glow", "type": "lambertian", "albedo": 0.4, "two_sided": true, "emit": [0.2, 0.1, 0.3]},
@@ -104,9 +108,14 @@ const SCENE: &str = r#"{
  ]
 }"#;
 
+/// The cameras that the box is seen through.
+pub const PINHOLE: &str = r#""vfov": 50"#;
+pub const THIN_LENS: &str = r#""vfov": 50, "fdist": 2.5, "aperture": 0.3, "filter": {"type": "gaussian"}"#;
+pub const ORTHOGRAPHIC: &str = r#""type": "orthographic", "height": 2.4, "filter": {"type": "tent"}"#;
+
 /// That box, prepared, on the pure-Rust BVH.
-pub fn scene() -> Scene<BvhAccel> {
-    let desc = crate::import::scene_from_str(SCENE, "oracle.json", std::path::Path::new(".")).expect("valid scene");
+pub fn scene(camera: &str) -> Scene<BvhAccel> {
+    let desc = crate::import::scene_from_str(&SCENE.replace('@', camera), "oracle.json", std::path::Path::new(".")).expect("valid scene");
     Scene::build(prepare(&desc).expect("preparable"), Default::default()).expect("buildable")
 }
 
@@ -119,7 +128,14 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
     let ray = Ray::new(emission.point.origin(emission.w), emission.w);
     let mut light_walk = walk(scene, ray, Transport::Importance, &mut u, 5);
     let pixel = [(u.next_1d() * 32.0) as u32, (u.next_1d() * 24.0) as u32];
-    let ray = scene.camera.generate_ray(pixel, u.next_2d()).ray;
+    let film = u.next_2d();
+    let numbers = if scene.camera.needs_numbers() {
+        LensNumbers { lens: u.next_2d(), pixel: u.next_2d() }
+    } else {
+        LensNumbers::IDLE
+    };
+    let ray = scene.camera.generate_ray(pixel, film, numbers.lens).ray;
+    let camera = ray.o;
     let mut camera_walk = walk(scene, ray, Transport::Radiance, &mut u, 5);
     if camera_walk.is_empty() {
         return None;
@@ -133,7 +149,7 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
         let mut windows: Vec<bool> = vec![end.through_window];
         windows.extend(camera_walk.iter().rev().map(|v| v.through_window));
         let inner = camera_walk.into_iter().rev().collect();
-        return Some(FullPath { light: end.light?, start: LightPoint::Surface(end.at), inner, windows });
+        return Some(FullPath { light: end.light?, start: LightPoint::Surface(end.at), inner, camera, numbers, windows });
     }
     light_walk.truncate((u.next_1d() * (light_walk.len() + 1) as f32) as usize);
     // The joined ends must be connectible, and are taken to see each other.
@@ -144,5 +160,5 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
     windows.push(false);
     windows.extend(camera_walk.iter().rev().map(|v| v.through_window));
     let inner = light_walk.into_iter().chain(camera_walk.into_iter().rev()).collect();
-    Some(FullPath { light, start: emission.point, inner, windows })
+    Some(FullPath { light, start: emission.point, inner, camera, numbers, windows })
 }
