@@ -37,9 +37,7 @@ impl Filter {
         let from_center = match *self {
             Self::Pixel => return u,
             Self::Box(r) => f64::from(r) * (2.0 * u - 1.0),
-            Self::Tent(r) => {
-                f64::from(r) * if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
-            }
+            Self::Tent(r) => f64::from(r) * if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() },
             Self::Gaussian(r) => {
                 let x = f64::from(r) / DEVIATIONS * std::f64::consts::SQRT_2 * inverse_erf(HELD * (2.0 * u - 1.0));
                 x.clamp(f64::from(-r), f64::from(r))

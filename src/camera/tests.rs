@@ -69,7 +69,8 @@ fn just_outside_each_edge_there_is_no_pixel() {
     for c in every_kind() {
         let (w, h) = (c.half_width, c.half_height);
         // In the plane in focus, where a point of the film is seen from all of the lens.
-        let focus = if let Projection::ThinLens { inverse_focus, .. } = c.projection { 1.0 / inverse_focus } else { 1.0 };
+        let focus =
+            if let Projection::ThinLens { inverse_focus, .. } = c.projection { 1.0 / inverse_focus } else { 1.0 };
         let at = |x: f32, y: f32| c.position + (c.right * x + c.up * y + c.forward) * focus;
         for n in [[0.5, 0.5], [0.0, 0.4], [0.9, 0.9]].map(numbers) {
             for (x, y) in [(-w, 0.0), (w, 0.0), (0.0, h), (0.0, -h)] {

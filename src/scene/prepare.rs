@@ -5,7 +5,8 @@
 //! same bits. Radiance does not change with scale; radiant intensity does, with its square (E = I/r²).
 
 use super::desc::{
-    CameraDesc, Diagnostic, FilterKind, MaterialKind, Projection, SceneDesc, SceneError, ShapeDesc, SurfaceDesc, is_black,
+    CameraDesc, Diagnostic, FilterKind, MaterialKind, Projection, SceneDesc, SceneError, ShapeDesc, SurfaceDesc,
+    is_black,
 };
 use super::material::{self, Constants, rgb};
 use super::{SceneNeeds, Surface};

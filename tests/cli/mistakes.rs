@@ -55,7 +55,7 @@ const JSON: &[Scene] = &[
         text: r#"{"camera": {«"vfovv": 40}}"#,
         messages: &[
             "/camera/vfovv: unknown key \"vfovv\"; did you mean \"vfov\"? allowed: type, transform, resolution, vfov, \
-             fdist",
+             fdist, aperture, filter",
         ],
     },
     Scene {

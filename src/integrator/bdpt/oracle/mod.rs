@@ -102,7 +102,8 @@ impl Judge<'_> {
         };
         let dir = |i: usize, j: usize| (p(j) - p(i)).normalize();
         // Edge i, i+1; the camera's own edge has a density of its own kind.
-        let d2 = |i: usize| if i + 1 == k { scene.camera.edge_d2(camera, p(i)) } else { distance_squared(p(i), p(i + 1)) };
+        let d2 =
+            |i: usize| if i + 1 == k { scene.camera.edge_d2(camera, p(i)) } else { distance_squared(p(i), p(i + 1)) };
         let cos_in = |i: usize, from: usize| match i {
             0 => f64::from(path.start.cos(dir(0, from)).abs()),
             i => f64::from(path.inner[i - 1].at.ng.dot(dir(i, from)).abs()),
@@ -201,7 +202,7 @@ impl Judge<'_> {
                     }
                     s if s == k && k == 1 => {
                         b.evaluate_light_in_lens(scene, light, &path.start, emission, &path.numbers).map(|x| x.1)
-                    },
+                    }
                     s if s == k => b.evaluate_lens(scene, &light_side(k - 1), &path.numbers).map(|x| x.1),
                     1 => b.evaluate_next_event(scene, light, &path.start, direct, pmf, &camera_side(1)),
                     s => b.evaluate_connection(&light_side(s - 1), &camera_side(s)),

@@ -2,8 +2,8 @@
 
 use crate::accel::bvh::BvhAccel;
 use crate::bsdf::{Bsdf, Transport};
-use crate::geometry::SurfacePoint;
 use crate::camera::LensNumbers;
+use crate::geometry::SurfacePoint;
 use crate::light::LightPoint;
 use crate::math::{Ray, Vec3};
 use crate::sampling::{Sampler, SamplerKind, Stream};
@@ -115,7 +115,8 @@ pub const ORTHOGRAPHIC: &str = r#""type": "orthographic", "height": 2.4, "filter
 
 /// That box, prepared, on the pure-Rust BVH.
 pub fn scene(camera: &str) -> Scene<BvhAccel> {
-    let desc = crate::import::scene_from_str(&SCENE.replace('@', camera), "oracle.json", std::path::Path::new(".")).expect("valid scene");
+    let desc = crate::import::scene_from_str(&SCENE.replace('@', camera), "oracle.json", std::path::Path::new("."))
+        .expect("valid scene");
     Scene::build(prepare(&desc).expect("preparable"), Default::default()).expect("buildable")
 }
 
@@ -149,7 +150,14 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
         let mut windows: Vec<bool> = vec![end.through_window];
         windows.extend(camera_walk.iter().rev().map(|v| v.through_window));
         let inner = camera_walk.into_iter().rev().collect();
-        return Some(FullPath { light: end.light?, start: LightPoint::Surface(end.at), inner, camera, numbers, windows });
+        return Some(FullPath {
+            light: end.light?,
+            start: LightPoint::Surface(end.at),
+            inner,
+            camera,
+            numbers,
+            windows,
+        });
     }
     light_walk.truncate((u.next_1d() * (light_walk.len() + 1) as f32) as usize);
     // The joined ends must be connectible, and are taken to see each other.
