@@ -3,7 +3,7 @@
 //! A filter is a density over the film, separable and normalised to 1 per pixel area. Camera rays are drawn from it
 //! [PBRT4, §8.8], so that each counts fully and a constant image stays constant, its edge included. A light subpath
 //! that lands on the film is given to one of the pixels whose filter covers the place, each with the probability of its
-//! filter's share among them; what is then left in the weights is the sum of the filters there (docs/MIS.md, section 6).
+//! filter's share among them; what is then left in the weights is the sum of the filters there (docs/MIS.md, section 12).
 
 /// A pixel filter. Radii are in pixels, along each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +108,7 @@ impl Filter {
     }
 }
 
-/// The inverse of the error function, to about 1e-6 of its value [Giles10].
+/// The inverse of the error function, to about 1e-6 of its value [Giles11].
 fn inverse_erf(x: f64) -> f64 {
     let w = -((1.0 - x) * (1.0 + x)).ln();
     let (w, coefficients) = if w < 5.0 {

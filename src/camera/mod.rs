@@ -4,7 +4,7 @@
 //! is counted per pixel. The film lies in the plane in focus; a point `l` of the lens sees it at the directions
 //! `p_ω = f/(A_pixel cos³θ)`, θ to the optical axis and `f` the pixel's filter there [PBRT4 (5.2.1)], and the importance
 //! that makes light tracing land on the same value is `We = p_ω / cosθ`. The lens point's own density is common to all
-//! techniques and cancels; parallel rays have a density per area across them instead of `p_ω` (docs/MIS.md, section 6).
+//! techniques and cancels; parallel rays have a density per area across them instead of `p_ω` (docs/MIS.md, section 12).
 
 mod filter;
 #[cfg(test)]

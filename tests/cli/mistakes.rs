@@ -208,6 +208,19 @@ const CAMERA: &[Scene] = &[
         ],
     },
     Scene {
+        what: "A film that does not suit the scene",
+        text: r#"{"camera": «{"type": "orthographic", "height": 1e20}, "surfaces": [{"type": "quad", "material": {"type": "mirror"}}]}"#,
+        messages: &[
+            "/camera: the camera's height 100000000000000000000 does not suit the size of the scene; allowed: 1e-6 to \
+             1e6",
+        ],
+    },
+    Scene {
+        what: "A filter that is too wide",
+        text: r#"{"camera": {"filter": {"type": "tent", "radius": «200}}}"#,
+        messages: &["/camera/filter/radius: 200 is out of range; allowed: 0.01 to 100 pixels"],
+    },
+    Scene {
         what: "No samples",
         text: r#"{"camera": {}, "image_samples": «0}"#,
         messages: &["/image_samples: 0 is out of range; allowed: whole numbers from 1 to 4294967295"],
