@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::scene::desc::Heuristic;
 
 /// Sampler dimensions: the film takes number 0, each bounce a block.
-pub(super) mod dimensions {
+pub(crate) mod dimensions {
     pub const BLOCK: u32 = 6;
     /// Followed by the choice of a lobe.
     pub const DIRECTION: u32 = 1;
@@ -25,7 +25,7 @@ pub(super) mod dimensions {
 
 /// The camera ray of a sample whose sampler stands at its start.
 #[inline]
-pub(super) fn camera_ray(camera: &Camera, pixel: [u32; 2], sampler: &mut Sampler) -> CameraRay {
+pub(crate) fn camera_ray(camera: &Camera, pixel: [u32; 2], sampler: &mut Sampler) -> CameraRay {
     let film = sampler.next_2d();
     let lens = if camera.has_lens() {
         sampler.set_dimension(dimensions::LENS);

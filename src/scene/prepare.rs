@@ -88,6 +88,12 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     Ok(Prepared { geometry, surfaces, lights, camera, needs, center, scale, warnings })
 }
 
+/// The material of each prepared surface, as an index into the scene's materials: delta points are not among them.
+pub fn surface_materials(desc: &SceneDesc) -> Vec<u32> {
+    let solid = desc.surfaces.iter().filter(|s| !matches!(s.shape, ShapeDesc::DeltaPoint));
+    solid.map(|s| s.material as u32).collect()
+}
+
 /// The camera in render space.
 fn camera(desc: &CameraDesc, to_render: &DAffine3) -> Result<Camera, SceneError> {
     let [width, height] = desc.resolution;
