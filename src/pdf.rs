@@ -8,6 +8,11 @@
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct SolidAnglePdf(pub f32);
 
+/// Density of an edge's directions such that `p_A = pdf |cosθ| / d²` at its far end: per unit solid angle where edges
+/// start from a point. Parallel edges have a density per unit area across them, for which d² is read as 1.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct EdgePdf(pub f64);
+
 /// Density per unit area of render space.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct AreaPdf(pub f64);
@@ -35,6 +40,14 @@ impl SolidAnglePdf {
     #[inline(always)]
     pub fn to_area(self, cos: f32, d2: f64) -> AreaPdf {
         AreaPdf(f64::from(self.0) * f64::from(cos.abs()) / d2)
+    }
+}
+
+impl EdgePdf {
+    /// The density per unit area of a surface at the far end: `p_A = pdf |cosθ| / d²`.
+    #[inline(always)]
+    pub fn to_area(self, cos: f32, d2: f64) -> AreaPdf {
+        AreaPdf(self.0 * f64::from(cos.abs()) / d2)
     }
 }
 

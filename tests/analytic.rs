@@ -7,6 +7,8 @@ mod common;
 
 #[path = "analytic/area_lights.rs"]
 mod area_lights;
+#[path = "analytic/cameras.rs"]
+mod cameras;
 #[path = "analytic/delta_lights.rs"]
 mod delta_lights;
 #[path = "analytic/enclosures.rs"]

@@ -140,7 +140,7 @@ fn every_aimed_ray_finds_its_point<A: Accel>() {
                     let scene: Scene<A> = scene_on(&json, WITH);
                     let points = &scene.geometry.delta_points;
                     assert_eq!(points.len(), count);
-                    let eye = scene.camera.position();
+                    let eye = scene.camera.generate_ray([0, 0], [0.5; 2], [0.5; 2]).ray.o;
                     let farthest =
                         points.iter().fold(eye.abs().max_element(), |m, p| m.max(p.position.abs().max_element()));
                     let farthest = f64::from(farthest.max(1.0));
@@ -267,7 +267,7 @@ fn images_are_the_same_bits<A: Accel>() {
         let without: Scene<A> = scene_on(&json, AccelOptions::default());
         // Were the index not there, equal images would prove nothing.
         let center = with.geometry.delta_points[0].position;
-        let aimed = Ray::segment(with.camera.position(), center);
+        let aimed = Ray::segment(with.camera.generate_ray([0, 0], [0.5; 2], [0.5; 2]).ray.o, center);
         assert!(with.accel.intersect_delta(&aimed).is_some() && without.accel.intersect_delta(&aimed).is_none());
         for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
             let job = RenderJob {

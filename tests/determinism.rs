@@ -47,8 +47,12 @@ fn everything() -> Value {
 
 #[test]
 fn any_number_of_threads_makes_the_same_image() {
-    let scene = scene(&everything());
-    for integrator in INTEGRATORS {
+    let mut blurred = everything();
+    blurred["camera"]["aperture"] = json!(0.1);
+    blurred["camera"]["fdist"] = json!(2.5);
+    blurred["camera"]["filter"] = json!({ "type": "gaussian" });
+    let scenes = [everything(), blurred].map(|json| scene(&json));
+    for (scene, integrator) in scenes.iter().flat_map(|scene| INTEGRATORS.map(|i| (scene, i))) {
         // More samples than one task takes, so that a pixel's sum has parts.
         let job = |threads| RenderJob {
             settings: settings(integrator, 8),
@@ -57,10 +61,10 @@ fn any_number_of_threads_makes_the_same_image() {
             threads,
             pyramid: None,
         };
-        let one = render_job(&scene, &job(1));
+        let one = render_job(scene, &job(1));
         assert!(one.image.mean().iter().all(|m| *m > 0.0), "{integrator:?}: a black image proves nothing");
         for threads in [2, 5] {
-            let many = render_job(&scene, &job(threads));
+            let many = render_job(scene, &job(threads));
             assert_eq!(one.image, many.image, "{integrator:?}: {threads} threads");
             assert_eq!(one.rays, many.rays, "{integrator:?}: {threads} threads");
         }

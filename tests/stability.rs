@@ -200,13 +200,17 @@ fn a_technique_alone_keeps_its_weight_without_a_connectible_surface() {
 fn a_crop_has_the_full_images_bits() {
     use twinlight::integrator::Crop;
     use twinlight::render::RenderJob;
-    let scene = scene(&room_with_light_at(0.7));
     let crop = Crop { x0: 3, y0: 5, x1: 12, y1: 7 };
-    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+    let mut blurred = room_with_light_at(0.7);
+    blurred["camera"]["aperture"] = 0.1.into();
+    blurred["camera"]["filter"] = serde_json::json!({ "type": "gaussian", "radius": 2.5 });
+    let scenes = [room_with_light_at(0.7), blurred].map(|json| scene(&json));
+    let integrators = [Integrator::Path, Integrator::Light, Integrator::Bdpt];
+    for (scene, integrator) in scenes.iter().flat_map(|scene| integrators.map(|i| (scene, i))) {
         let settings = settings(integrator, 5);
-        let full = render_once(&scene, settings, 4, None).image;
+        let full = render_once(scene, settings, 4, None).image;
         let job = RenderJob { settings, samples: 4, crop, threads: 2, pyramid: None };
-        let part = common::render_job(&scene, &job).image;
+        let part = common::render_job(scene, &job).image;
         for y in 0..crop.height() {
             for x in 0..crop.width() {
                 assert_eq!(part.get(x, y), full.get(x + crop.x0, y + crop.y0), "{integrator:?} {x},{y}");

@@ -4,6 +4,8 @@ mod common;
 
 #[path = "unbiased/bits.rs"]
 mod bits;
+#[path = "unbiased/cameras.rs"]
+mod cameras;
 #[path = "unbiased/caustics.rs"]
 mod caustics;
 #[path = "unbiased/integrators.rs"]

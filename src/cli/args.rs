@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::integrator::Technique;
+use crate::render::Aov;
 use crate::sampling::SamplerKind;
 use crate::scene::desc::{Heuristic, IntegratorKind};
 
@@ -109,6 +110,9 @@ pub struct RenderArgs {
     /// are not written again are removed
     #[arg(long, value_name = "DIR")]
     pub pyramid: Option<PathBuf>,
+    /// Write auxiliary images into the EXR, as layers beside the picture
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub aovs: Vec<AovArg>,
     /// Longest paths of the pyramid, in edges [default: 6]
     #[arg(
         long,
@@ -171,6 +175,56 @@ impl From<IntegratorArg> for IntegratorKind {
             IntegratorArg::Path => Self::Path,
             IntegratorArg::Light => Self::Light,
         }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AovArg {
+    /// All of these
+    All,
+    /// What share of light the first surface scatters to the camera: albedo.R,G,B
+    Albedo,
+    /// Its geometric normal, world axes: normal.X,Y,Z
+    Normal,
+    /// Its shading normal: shading_normal.X,Y,Z
+    ShadingNormal,
+    /// Its distance along the optical axis, scene units: depth.Z
+    Depth,
+    /// 1 + the index of the primitive at the pixel's centre: primitive.id
+    Primitive,
+    /// 1 + the index of the material there: material.id
+    Material,
+    /// Light that scattered not at all, once, more often: emission, direct, indirect
+    Direct,
+    /// Light by number of edges of its path, 1 to 6: depth1 to depth6
+    PerDepth,
+    /// Estimated variance of each pixel: variance.R,G,B
+    Variance,
+    /// Samples of each pixel: samples.count
+    Samples,
+    /// Where point and spot lights are seen: lights.id, lights.visible
+    Lights,
+}
+
+impl AovArg {
+    /// What these ask for, each once.
+    pub fn wanted(args: &[Self]) -> Vec<Aov> {
+        let each = |arg: &Self| match arg {
+            Self::All => vec![],
+            Self::Albedo => vec![Aov::Albedo],
+            Self::Normal => vec![Aov::Normal],
+            Self::ShadingNormal => vec![Aov::ShadingNormal],
+            Self::Depth => vec![Aov::Depth],
+            Self::Primitive => vec![Aov::Primitive],
+            Self::Material => vec![Aov::Material],
+            Self::Direct => vec![Aov::Direct],
+            Self::PerDepth => vec![Aov::PerDepth],
+            Self::Variance => vec![Aov::Variance],
+            Self::Samples => vec![Aov::SampleCount],
+            Self::Lights => vec![Aov::Lights],
+        };
+        let args = if args.contains(&Self::All) { Self::value_variants() } else { args };
+        args.iter().flat_map(each).collect()
     }
 }
 

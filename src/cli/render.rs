@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{AccelArg, RenderArgs};
+use super::args::{AccelArg, AovArg, RenderArgs};
 use super::progress::{Reporter, duration};
 use super::settings::{black_technique, departures, idle_options, name, override_desc, pyramid_edges, settings};
 use super::{Failure, print, pyramid, same_file, stats, status, tell};
@@ -14,9 +14,9 @@ use crate::accel::{Accel, AccelOptions};
 use crate::import::{self, ImportError};
 use crate::integrator::{Crop, Settings};
 use crate::output::{self, Format, Metadata, Window};
-use crate::render::{RenderJob, Rendered, render};
+use crate::render::{Aov, AovJob, Extras, RenderJob, Rendered, render_with};
 use crate::scene::desc::{IntegratorKind, SceneDesc};
-use crate::scene::{Prepared, Scene, prepare};
+use crate::scene::{Prepared, Scene, prepare, surface_materials};
 
 /// Reads a scene file.
 pub fn load(path: &Path) -> Result<SceneDesc, Failure> {
@@ -63,9 +63,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     for warning in &prepared.warnings {
         say(args, &format!("warning: {warning}"));
     }
+    let materials = surface_materials(&desc);
     // The meshes have been taken over into render space: not twice in memory for the whole render.
     desc.surfaces = Vec::new();
-    let run = Run { args, desc: &desc, crop, settings, outputs };
+    let run = Run { args, desc: &desc, crop, settings, outputs, materials };
     match args.accel {
         #[cfg(feature = "embree")]
         AccelArg::Embree => run.with::<EmbreeAccel>(prepared, phases, start),
@@ -114,6 +115,10 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
             )));
         }
     }
+    if !args.aovs.is_empty() && !outputs.iter().any(|path| Format::of(path).is_ok_and(|f| f == Format::Exr)) {
+        let why = "--aovs writes its images into an EXR, and none is written: add -o NAME.exr";
+        return Err(Failure::usage(why.to_owned()));
+    }
     let any_png = args.pyramid.is_some() || outputs.iter().any(|path| Format::of(path).is_ok_and(|f| f == Format::Png));
     if let Some(stops) = args.exposure.filter(|_| !any_png) {
         return Err(Failure::usage(format!(
@@ -140,12 +145,26 @@ fn crop(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Crop, Failure> {
     Ok(Crop { x0, y0, x1, y1 })
 }
 
+/// Longest paths that auxiliary images tell apart, in edges.
+const AOV_EDGES: u32 = 6;
+
+/// Longest paths whose techniques are kept apart, for the pyramid or for auxiliary images.
+fn kept_edges(args: &RenderArgs) -> Option<u32> {
+    let wanted = AovArg::wanted(&args.aovs);
+    let depths = match (wanted.contains(&Aov::PerDepth), wanted.contains(&Aov::Direct)) {
+        (true, _) => Some(AOV_EDGES),
+        (_, true) => Some(2),
+        _ => None,
+    };
+    pyramid_edges(args).max(depths)
+}
+
 /// Films larger than this are refused before anything is allocated.
 const LARGEST_FILMS: u64 = 16 << 30;
 
 /// Checks that the film, and one per technique of a pyramid, fit a sensible amount of memory.
 fn check_memory(args: &RenderArgs, crop: Crop) -> Result<(), Failure> {
-    let edges = u64::from(pyramid_edges(args).unwrap_or(0));
+    let edges = u64::from(kept_edges(args).unwrap_or(0));
     // Paths of n edges are made by n + 1 techniques (t = 0 is not built).
     let techniques = edges * (edges + 3) / 2;
     let bytes = (techniques + 1) * crop.pixels() * crate::film::BYTES_PER_PIXEL;
@@ -180,12 +199,17 @@ struct Run<'a> {
     crop: Crop,
     settings: Settings,
     outputs: Vec<PathBuf>,
+    /// By surface, for the auxiliary images.
+    materials: Vec<u32>,
 }
 
 impl Run<'_> {
     fn with<A: Accel>(&self, prepared: Prepared, mut phases: stats::Phases, start: Instant) -> Result<(), Failure> {
         let args = self.args;
-        let options = AccelOptions { threads: args.threads.unwrap_or(0), ..AccelOptions::default() };
+        let wanted = AovArg::wanted(&args.aovs);
+        let scale = prepared.scale;
+        let delta_points = wanted.contains(&Aov::Lights);
+        let options = AccelOptions { threads: args.threads.unwrap_or(0), delta_points };
         let scene: Scene<A> = Scene::build(prepared, options).map_err(Failure::other)?;
         phases.build = start.elapsed();
 
@@ -195,15 +219,30 @@ impl Run<'_> {
             samples: self.desc.samples,
             crop: self.crop,
             threads: args.threads.map_or_else(logical_processors, |n| n as usize),
-            pyramid: pyramid_edges(args),
+            pyramid: kept_edges(args),
         };
         self.announce(&job, &scene.accel.describe());
         let reporter = Reporter::new(args.quiet, job.samples);
-        let rendered = render(&scene, &job, &|p| {
+        let extras = Extras { variance: wanted.contains(&Aov::Variance) };
+        let mut rendered = render_with(&scene, &job, extras, &|p| {
             reporter.update(p);
             true
         })
         .map_err(Failure::other)?;
+        let aovs = AovJob {
+            settings: self.settings,
+            samples: job.samples,
+            crop: self.crop,
+            threads: job.threads,
+            wanted: &wanted,
+            scale,
+            materials: &self.materials,
+        };
+        let mut layers = aovs.of_scene(&scene).map_err(Failure::other)?;
+        layers.extend(aovs.of_picture(&rendered, AOV_EDGES));
+        // Longer paths may have been kept for the one than were asked for by the other.
+        let edges = pyramid_edges(args).unwrap_or(0);
+        rendered.techniques.retain(|t, _| t.s + t.t <= edges + 1);
         reporter.finish();
         phases.render = start.elapsed();
 
@@ -211,7 +250,7 @@ impl Run<'_> {
         let metadata = self.metadata(&scene.accel.describe());
         let exposure = args.exposure.unwrap_or(0.0);
         for path in &self.outputs {
-            output::write_image(path, &rendered.image, &metadata, exposure).map_err(Failure::other)?;
+            output::write_with_layers(path, &rendered.image, &layers, &metadata, exposure).map_err(Failure::other)?;
         }
         let pyramid = match &args.pyramid {
             Some(folder) => Some(pyramid::write(folder, &rendered.techniques, &metadata, exposure)?),

@@ -1,7 +1,9 @@
 //! The film: exact sums of contributions, and the images they resolve to.
 
 mod accumulator;
+mod aov;
 mod image;
 
 pub use accumulator::{Accumulator, BYTES_PER_PIXEL, Quanta};
+pub use aov::{Channel, Samples};
 pub use image::Image;

@@ -3,19 +3,21 @@
 use super::context::{Context, Keys, Object, Type};
 use super::json::{Kind, Node};
 use super::value::{NON_NEGATIVE, POSITIVE, Range};
-use crate::scene::desc::CameraDesc;
+use crate::scene::desc::{CameraDesc, FilterDesc, FilterKind, Projection};
 
-const KEYS: Keys = Keys {
-    allowed: &["type", "transform", "resolution", "vfov", "fdist"],
-    idle: &["aperture", "filter"],
-    later: &["height"],
-};
+const PERSPECTIVE: &[&str] = &["type", "transform", "resolution", "vfov", "fdist", "aperture", "filter"];
+const ORTHOGRAPHIC: &[&str] = &["type", "transform", "resolution", "height", "filter"];
+/// Where the type is not known, the keys of both.
+const EITHER: &[&str] = &["type", "transform", "resolution", "vfov", "fdist", "aperture", "height", "filter"];
 
 /// Largest width and height of an image.
 const MAX_SIDE: u64 = 1 << 16;
 
 /// Largest number of pixels of an image.
 const MAX_PIXELS: u64 = 1 << 28;
+
+/// Below it the rounding of a splat's place is larger than the filter; above it a splat visits too many pixels.
+const FILTER_RADIUS: Range = Range { text: "0.01 to 100 pixels", holds: |x| (0.01..=100.0).contains(&x) };
 
 const FIELD_OF_VIEW: Range = Range { text: "between 0 and 180 degrees", holds: |x| x > 0.0 && x < 180.0 };
 
@@ -24,23 +26,38 @@ impl<'a> Context<'a> {
     pub fn camera(&mut self, scene: &Object<'a>) -> Option<CameraDesc> {
         let node = self.required(scene, "camera")?;
         let object = self.object(node, "an object")?;
-        self.type_of(&object, "camera type", &["perspective"], &["orthographic"]);
-        self.check_keys(&object, &KEYS);
+        let kind = self.type_of(&object, "camera type", &["perspective", "orthographic"], &[]);
+        let (parallel, keys) = match kind {
+            Type::Known("orthographic") => (true, ORTHOGRAPHIC),
+            Type::Unknown if object.has("type") => (false, EITHER),
+            _ => (false, PERSPECTIVE),
+        };
+        self.check_keys(&object, &Keys::only(keys));
         let transform = self.transform(&object);
         let resolution = object.get("resolution").map_or(Some([512, 512]), |n| self.resolution(n));
-        let vfov = object.get("vfov").map_or(Some(90.0), |n| self.number(n, FIELD_OF_VIEW));
-        let fdist = object.get("fdist").map_or(Some(1.0), |n| self.number(n, POSITIVE));
-        if let Some(aperture) = object.get("aperture") {
-            if self.number(aperture, NON_NEGATIVE).is_some_and(|radius| radius > 0.0) {
-                let message = "an aperture above 0 (thin lens) is not supported yet; supported: 0 (pinhole)";
-                self.error(aperture, message);
-            }
-        }
-        if let Some(filter) = object.get("filter") {
-            self.filter(filter);
-        }
+        let projection = if parallel {
+            self.required(&object, "height")
+                .and_then(|n| self.number(n, POSITIVE))
+                .map(|height| Projection::Orthographic { height })
+        } else {
+            let vfov = object.get("vfov").map_or(Some(90.0), |n| self.number(n, FIELD_OF_VIEW));
+            let fdist = object.get("fdist").map_or(Some(1.0), |n| self.number(n, POSITIVE));
+            let aperture = object.get("aperture").map_or(Some(0.0), |n| self.number(n, NON_NEGATIVE));
+            vfov.zip(fdist).zip(aperture).map(|((vfov, fdist), aperture)| Projection::Perspective {
+                vfov,
+                fdist,
+                aperture,
+            })
+        };
+        let filter = object.get("filter").map_or(Some(FilterDesc::default()), |n| self.filter(n));
         let at = self.place(&object.node);
-        Some(CameraDesc { transform: transform?, resolution: resolution?, vfov: vfov?, fdist: fdist?, at })
+        Some(CameraDesc {
+            transform: transform?,
+            resolution: resolution?,
+            projection: projection?,
+            filter: filter?,
+            at,
+        })
     }
 
     fn resolution(&mut self, node: &Node<'a>) -> Option<[u32; 2]> {
@@ -59,19 +76,19 @@ impl<'a> Context<'a> {
         Some([u32::try_from(width).ok()?, u32::try_from(height).ok()?])
     }
 
-    /// The pixel filter: only the box of one pixel exists so far, so that there is nothing to keep.
-    fn filter(&mut self, node: &Node<'a>) -> Option<()> {
+    /// The pixel filter; each has a radius of its own that is usual.
+    fn filter(&mut self, node: &Node<'a>) -> Option<FilterDesc> {
         let object = self.object(node, "an object")?;
         self.check_keys(&object, &Keys::only(&["type", "radius"]));
         self.required(&object, "type");
-        let kind = self.type_of(&object, "filter", &["box"], &["tent", "gaussian"]);
-        let radius = object.get("radius")?;
-        // Another filter's radius is not what is wrong with it.
-        if self.number(radius, POSITIVE)? != 0.5 && kind != Type::Later {
-            let message =
-                format!("a filter of radius {} is not supported yet; supported: 0.5 (one pixel)", radius.text);
-            self.error(radius, message);
-        }
-        Some(())
+        let kind = self.type_of(&object, "filter", &["box", "tent", "gaussian"], &[]);
+        let radius = object.get("radius").map(|n| self.number(n, FILTER_RADIUS));
+        let (kind, usual) = match kind {
+            Type::Known("box") => (FilterKind::Box, 0.5),
+            Type::Known("tent") => (FilterKind::Tent, 1.0),
+            Type::Known("gaussian") => (FilterKind::Gaussian, 1.5),
+            _ => return None,
+        };
+        Some(FilterDesc { kind, radius: radius.unwrap_or(Some(usual))? })
     }
 }

@@ -3,8 +3,9 @@
 use super::{PixelSample, Recorder, Settings};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
+use crate::camera::{Camera, LensNumbers};
 use crate::light::LightPoint;
-use crate::math::{Ray, distance_squared};
+use crate::math::Ray;
 use crate::sampling::{Sampler, Stream};
 use crate::scene::Scene;
 
@@ -15,6 +16,19 @@ pub(super) mod dimensions {
     pub const START: u32 = 4;
     pub const BLOCK: u32 = 3;
     pub const ROULETTE: u32 = 2;
+    /// Connections to the camera stand beyond all bounces, two for each light vertex: cameras that take no numbers
+    /// leave all others where they are.
+    pub const LENS: u32 = 1 << 31;
+}
+
+/// The numbers with which light vertex `s` is connected to the camera.
+#[inline]
+pub(super) fn lens_numbers(camera: &Camera, sampler: &mut Sampler, s: u32) -> LensNumbers {
+    if !camera.needs_numbers() {
+        return LensNumbers::IDLE;
+    }
+    sampler.set_dimension(dimensions::LENS + 2 * s);
+    LensNumbers { lens: sampler.next_2d(), pixel: sampler.next_2d() }
 }
 
 /// The light paths that belong to one sample of a pixel; they may land on any pixel.
@@ -55,15 +69,13 @@ fn trace<A: Accel>(
 
     // s = 1: the light itself, seen by the camera. A delta light has no area to be seen, an environment no place.
     if let (true, LightPoint::Surface(at)) = (settings.wants(1, 1), &start.point) {
-        let p = at.p();
-        if let Some(lens) = scene.camera.sample_lens(p) {
+        if let Some(lens) = scene.camera.sample_lens(at.p(), &lens_numbers(&scene.camera, &mut sampler, 1)) {
             let le = light.emitted(&start.point, lens.wi);
             if le.max_element() > 0.0 {
                 recorder.rays.lens += 1;
-                let shadow = Ray::segment(at.origin(lens.wi), scene.camera.position());
+                let shadow = Ray::segment(at.origin(lens.wi), lens.p);
                 if !scene.accel.occluded(&shadow) {
-                    let d2 = distance_squared(p, scene.camera.position());
-                    let area = lens.pdf.to_area(lens.wi.dot(at.ng), d2);
+                    let area = lens.pdf.to_area(lens.wi.dot(at.ng), lens.d2);
                     let scale = area.0 / (pdf_position * light_paths_per_pass);
                     recorder.splat(1, 1, lens.pixel, le * scale as f32);
                 }
@@ -83,13 +95,12 @@ fn trace<A: Accel>(
         let bsdf = &arrival.surface.bsdf;
         let wo = -ray.d;
         if bsdf.is_connectible() && settings.wants(s, 1) {
-            if let Some(lens) = scene.camera.sample_lens(at.p()) {
+            if let Some(lens) = scene.camera.sample_lens(at.p(), &lens_numbers(&scene.camera, &mut sampler, s)) {
                 if let Some(value) = bsdf.eval(at, wo, lens.wi, Transport::Importance) {
                     recorder.rays.lens += 1;
-                    if !scene.accel.occluded(&Ray::segment(at.origin(lens.wi), scene.camera.position())) {
+                    if !scene.accel.occluded(&Ray::segment(at.origin(lens.wi), lens.p)) {
                         // F holds the cosine at the surface: We·cosθ/d² is the camera's density over d².
-                        let d2 = distance_squared(at.p(), scene.camera.position());
-                        let scale = f64::from(lens.pdf.0) / (d2 * light_paths_per_pass);
+                        let scale = lens.pdf.0 / (lens.d2 * light_paths_per_pass);
                         recorder.splat(s, 1, lens.pixel, beta * value.f * scale as f32);
                     }
                 }

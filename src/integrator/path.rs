@@ -3,6 +3,7 @@
 use super::{PixelSample, Recorder, Settings};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
+use crate::camera::{Camera, CameraRay};
 use crate::light::{LightEdge, LightPoint};
 use crate::math::{Ray, Rgb};
 use crate::sampling::{Sampler, Stream};
@@ -10,7 +11,7 @@ use crate::scene::desc::Heuristic;
 use crate::scene::{Reached, Scene};
 
 /// Sampler dimensions: the film takes number 0, each bounce a block.
-pub(super) mod dimensions {
+pub(crate) mod dimensions {
     pub const BLOCK: u32 = 6;
     /// Followed by the choice of a lobe.
     pub const DIRECTION: u32 = 1;
@@ -18,6 +19,21 @@ pub(super) mod dimensions {
     /// Followed by the choice of a part of the light.
     pub const LIGHT_CHOICE: u32 = 4;
     pub const LIGHT_POINT: u32 = 6;
+    /// The lens point stands beyond all bounces: cameras without a lens leave all others where they are.
+    pub const LENS: u32 = 1 << 31;
+}
+
+/// The camera ray of a sample whose sampler stands at its start.
+#[inline]
+pub(crate) fn camera_ray(camera: &Camera, pixel: [u32; 2], sampler: &mut Sampler) -> CameraRay {
+    let film = sampler.next_2d();
+    let lens = if camera.has_lens() {
+        sampler.set_dimension(dimensions::LENS);
+        sampler.next_2d()
+    } else {
+        [0.5; 2]
+    };
+    camera.generate_ray(pixel, film, lens)
 }
 
 /// Weight of a technique of density `p` against one of density `q` (same measure) under the heuristic
@@ -52,7 +68,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
     recorder.rays.camera_paths += 1;
     let Some(choice) = &scene.light_choice else { return };
 
-    let mut ray = scene.camera.generate_ray(sample.pixel, sampler.next_2d()).ray;
+    let mut ray = camera_ray(&scene.camera, sample.pixel, &mut sampler).ray;
     let mut beta = Rgb::ONE;
     let mut roulette = settings.roulette(beta);
     // Density per solid angle of the last sampled direction; `None` when next-event estimation could not have

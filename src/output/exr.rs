@@ -4,14 +4,14 @@ use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::Path;
 
-use exr::image::{Encoding, Layer, SpecificChannels};
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, SpecificChannels};
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, IntegerBounds, LineOrder, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes, standard_names};
 use exr::prelude::{Blocks, Compression, WritableImage};
 
 use super::{LONGEST_NAME, MAX_PIXELS, Metadata, OutputError, write_atomically};
-use crate::film::Image;
+use crate::film::{Channel, Image, Samples};
 
 /// Writes an image as OpenEXR: channels R, G, B as 32-bit floats, every bit of them kept (non-finite values too), in
 /// ZIP blocks of 16 rows. The file's bytes depend on the image and the metadata only.
@@ -24,8 +24,28 @@ pub fn write_exr(path: &Path, image: &Image, metadata: &Metadata) -> Result<(), 
     write_atomically(path, &bytes)
 }
 
+/// Writes an image with further channels, each named `layer.channel`, beside its own R, G and B: one part, which every
+/// reader of the picture alone reads as before.
+///
+/// # Errors
+/// As `write_exr`; and channels of another size, or a name that is empty, reserved or given twice.
+pub fn write_exr_layers(
+    path: &Path,
+    image: &Image,
+    channels: &[Channel],
+    metadata: &Metadata,
+) -> Result<(), OutputError> {
+    let bytes = encode_layers(image, channels, metadata).map_err(|why| OutputError::new("write", path, why))?;
+    write_atomically(path, &bytes)
+}
+
 /// The file's bytes, or why there are none.
 pub(super) fn encode(image: &Image, metadata: &Metadata) -> Result<Vec<u8>, String> {
+    encode_layers(image, &[], metadata)
+}
+
+/// The file's bytes, or why there are none.
+pub(super) fn encode_layers(image: &Image, channels: &[Channel], metadata: &Metadata) -> Result<Vec<u8>, String> {
     let (width, height) = (image.width as usize, image.height as usize);
     if width * height == 0 || image.rgb.len() != width * height || (width * height) as u64 > MAX_PIXELS {
         return Err(format!(
@@ -65,13 +85,44 @@ pub(super) fn encode(image: &Image, metadata: &Metadata) -> Result<Vec<u8>, Stri
         (r, g, b)
     });
     let layer_attributes = LayerAttributes { layer_position: to_i32(origin), ..LayerAttributes::default() };
-    let layer = Layer::new((width, height), layer_attributes, encoding, pixels);
-    let file = exr::image::Image::new(attributes, layer);
     let mut bytes = Vec::new();
     // In sequence: a pool of threads of its own would ignore the number the user asked for.
-    file.write().non_parallel().to_buffered(Cursor::new(&mut bytes)).map_err(|e| e.to_string())?;
+    let written = if channels.is_empty() {
+        let layer = Layer::new((width, height), layer_attributes, encoding, pixels);
+        let file = exr::image::Image::new(attributes, layer);
+        file.write().non_parallel().to_buffered(Cursor::new(&mut bytes))
+    } else {
+        let channels = all_channels(image, channels)?;
+        let layer = Layer::new((width, height), layer_attributes, encoding, channels);
+        let file = exr::image::Image::new(attributes, layer);
+        file.write().non_parallel().to_buffered(Cursor::new(&mut bytes))
+    };
+    written.map_err(|e| e.to_string())?;
     sort_attributes(&mut bytes).ok_or("the EXR encoder wrote a header that does not parse; please report this")?;
     Ok(bytes)
+}
+
+/// The picture's channels and those beside it, sorted by name as the format wants them.
+fn all_channels(image: &Image, channels: &[Channel]) -> Result<AnyChannels<FlatSamples>, String> {
+    let mut names = HashSet::from(["R", "G", "B"]);
+    for c in channels {
+        if c.samples.len() != image.rgb.len() {
+            return Err(format!("channel `{}` has {} values for {} pixels", c.name, c.samples.len(), image.rgb.len()));
+        }
+        if c.name.is_empty() || c.name.len() > 31 || c.name.contains('\0') || !names.insert(&c.name) {
+            return Err(format!("channel `{}`: a name takes 1 to 31 bytes and is given once", c.name));
+        }
+    }
+    let color = |i: usize| FlatSamples::F32(image.rgb.iter().map(|p| p[i]).collect());
+    let own = ["R", "G", "B"].into_iter().enumerate().map(|(i, name)| AnyChannel::new(name, color(i)));
+    let further = channels.iter().map(|c| {
+        let samples = match &c.samples {
+            Samples::Float(v) => FlatSamples::F32(v.clone()),
+            Samples::Uint(v) => FlatSamples::U32(v.clone()),
+        };
+        AnyChannel::new(c.name.as_str(), samples)
+    });
+    Ok(AnyChannels::sort(own.chain(further).collect()))
 }
 
 /// Magic number and version: what comes before a single-part file's header.

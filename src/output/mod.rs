@@ -10,11 +10,11 @@ use std::fs::{self, OpenOptions};
 use std::path::{Path, PathBuf};
 
 pub use atomic::write_atomically;
-pub use exr::write_exr;
+pub use exr::{write_exr, write_exr_layers};
 pub use png::{srgb_decode, srgb_encode, write_png};
 pub use read::{format_of_content, read_image, read_image_and_metadata};
 
-use crate::film::Image;
+use crate::film::{Channel, Image};
 
 /// The largest image that is read or written, in pixels: 3 GB of it in memory.
 pub const MAX_PIXELS: u64 = 1 << 28;
@@ -117,6 +117,23 @@ impl Format {
 pub fn write_image(path: &Path, image: &Image, metadata: &Metadata, exposure: f32) -> Result<(), OutputError> {
     match Format::of(path)? {
         Format::Exr => write_exr(path, image, metadata),
+        Format::Png => write_png(path, image, exposure),
+    }
+}
+
+/// `write_image` with auxiliary images, which go into an EXR; a PNG has no place for them.
+///
+/// # Errors
+/// As there.
+pub fn write_with_layers(
+    path: &Path,
+    image: &Image,
+    channels: &[Channel],
+    metadata: &Metadata,
+    exposure: f32,
+) -> Result<(), OutputError> {
+    match Format::of(path)? {
+        Format::Exr => write_exr_layers(path, image, channels, metadata),
         Format::Png => write_png(path, image, exposure),
     }
 }

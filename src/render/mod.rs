@@ -1,6 +1,10 @@
 //! The driver: passes, tiles, threads, time and progress. What is computed is the integrators' business; that the
 //! result does not depend on how it was scheduled is the film's.
 
+mod aov;
+
+pub use aov::{Aov, AovJob};
+
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Mutex;
@@ -13,6 +17,7 @@ use crate::accel::Accel;
 use crate::film::{Accumulator, Image, Quanta};
 use crate::integrator::{Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
 use crate::light::Light;
+use crate::math::Rgb;
 use crate::scene::Scene;
 
 /// What to render.
@@ -37,6 +42,8 @@ pub struct Rendered {
     pub image: Image,
     /// Weighted image of each technique that contributed, when asked for.
     pub techniques: BTreeMap<Technique, Image>,
+    /// Estimated variance of each pixel, were its samples independent, when asked for.
+    pub variance: Option<Image>,
     /// Counted work.
     pub rays: Rays,
     /// How many contributions were not finite.
@@ -91,13 +98,70 @@ pub fn render<A: Accel>(
     job: &RenderJob,
     progress: &(dyn Fn(Progress) -> bool + Sync),
 ) -> Result<Rendered, RenderError> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(job.threads)
-        .build()
-        .map_err(|e| RenderError { message: format!("cannot start {} render threads: {e}", job.threads) })?;
-    let run = Run::new(scene, job, progress);
+    render_with(scene, job, Extras::default(), progress)
+}
+
+/// What is collected beside the image.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extras {
+    /// The variance of each pixel.
+    pub variance: bool,
+}
+
+/// `render`, with more than the image.
+///
+/// # Errors
+/// As there.
+pub fn render_with<A: Accel>(
+    scene: &Scene<A>,
+    job: &RenderJob,
+    extras: Extras,
+    progress: &(dyn Fn(Progress) -> bool + Sync),
+) -> Result<Rendered, RenderError> {
+    let pool = pool(job.threads)?;
+    let mut run = Run::new(scene, job, progress);
+    run.spread = extras.variance.then(|| Spread::new(job.crop, run.emission));
     pool.install(|| run.all());
     Ok(run.finish())
+}
+
+/// Worker threads.
+fn pool(threads: usize) -> Result<rayon::ThreadPool, RenderError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| RenderError { message: format!("cannot start {threads} render threads: {e}") })
+}
+
+/// Sums from which pixels' variances follow. A pixel is the mean of what n camera samples found, plus 1/n times the sum
+/// of splats, of which each light subpath makes one with a small probability: a compound Poisson sum, whose variance is
+/// estimated by the sum of squares.
+struct Spread {
+    /// Of what the pixel's own samples found.
+    own: Accumulator,
+    /// Of the squares of that and of splats.
+    squares: Accumulator,
+}
+
+impl Spread {
+    fn new(crop: Crop, emission: f32) -> Self {
+        let film = |emission| Accumulator::new(crop.width(), crop.height(), emission);
+        Self { own: film(emission), squares: film((emission * emission).min(f32::MAX)) }
+    }
+
+    fn square(&self, value: Rgb) -> Quanta {
+        self.squares.quantize(value * value)
+    }
+
+    fn variance(&self, samples: u64) -> Image {
+        let (own, mut variance) = (self.own.resolve(samples), self.squares.resolve(samples));
+        let n = samples.saturating_sub(1).max(1) as f32;
+        for (square, mean) in variance.rgb.iter_mut().flatten().zip(own.rgb.iter().flatten()) {
+            // Rounding alone could make it negative.
+            *square = (*square - mean * mean).max(0.0) / n;
+        }
+        variance
+    }
 }
 
 /// A rectangle of pixels and a range of samples: the unit of work.
@@ -116,6 +180,7 @@ struct Run<'a, A> {
     region: Crop,
     film: Accumulator,
     emission: f32,
+    spread: Option<Spread>,
     techniques: Mutex<BTreeMap<Technique, std::sync::Arc<Accumulator>>>,
     totals: Mutex<Totals>,
     done: AtomicU64,
@@ -153,6 +218,7 @@ impl<'a, A: Accel> Run<'a, A> {
             region: if splats { Crop::full(scene.camera.resolution()) } else { job.crop },
             film: Accumulator::new(job.crop.width(), job.crop.height(), emission),
             emission,
+            spread: None,
             techniques: Mutex::default(),
             totals: Mutex::default(),
             done: AtomicU64::new(0),
@@ -196,16 +262,28 @@ impl<'a, A: Accel> Run<'a, A> {
                 let samples = (task.first..task.first + task.count).map(|index| PixelSample { pixel: [x, y], index });
                 if crop.contains([x, y]) {
                     let mut sum = Quanta::default();
+                    let mut squares = Quanta::default();
                     for sample in samples {
                         integrator.sample(sample, recorder);
                         sum += self.film.quantize(recorder.radiance());
+                        if let Some(spread) = &self.spread {
+                            squares += spread.square(recorder.radiance());
+                        }
                     }
-                    self.film.add((y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize, sum);
+                    let pixel = (y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize;
+                    self.film.add(pixel, sum);
+                    if let Some(spread) = &self.spread {
+                        spread.own.add(pixel, sum);
+                        spread.squares.add(pixel, squares);
+                    }
                 } else {
                     samples.for_each(|sample| integrator.sample_splats(sample, recorder));
                 }
                 for splat in recorder.splats() {
                     self.film.add(splat.pixel as usize, self.film.quantize(splat.value));
+                    if let Some(spread) = &self.spread {
+                        spread.squares.add(splat.pixel as usize, spread.square(splat.value));
+                    }
                 }
                 self.keep_apart(recorder);
                 recorder.clear();
@@ -252,6 +330,7 @@ impl<'a, A: Accel> Run<'a, A> {
         Rendered {
             image: self.film.resolve(samples),
             techniques: films.into_iter().map(|(t, film)| (t, film.resolve(samples))).collect(),
+            variance: self.spread.as_ref().map(|spread| spread.variance(samples)),
             rays: totals.rays,
             rejected: totals.rejected,
             rejected_first: totals.rejected_first,

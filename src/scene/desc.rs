@@ -37,12 +37,57 @@ pub struct CameraDesc {
     pub transform: DAffine3,
     /// Width and height in pixels.
     pub resolution: [u32; 2],
-    /// Full vertical angle of view in degrees, in (0, 180).
-    pub vfov: f64,
-    /// Distance of the image plane. It cancels for a pinhole; kept for the thin lens.
-    pub fdist: f64,
+    /// How it projects the scene.
+    pub projection: Projection,
+    /// What a pixel is the mean of.
+    pub filter: FilterDesc,
     /// Where in the file, for errors that only preparation can find.
     pub at: Place,
+}
+
+/// How a camera projects the scene. Lengths are in the camera's own units, before its transform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Through a pinhole or a thin lens.
+    Perspective {
+        /// Full vertical angle of view in degrees, in (0, 180).
+        vfov: f64,
+        /// Distance of the plane in focus, above 0; without effect for a pinhole.
+        fdist: f64,
+        /// Radius of the lens; 0 for a pinhole.
+        aperture: f64,
+    },
+    /// By parallel rays.
+    Orthographic {
+        /// Of the image, above 0.
+        height: f64,
+    },
+}
+
+/// A pixel filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterDesc {
+    /// Its shape.
+    pub kind: FilterKind,
+    /// How far it reaches along each axis, in pixels from the pixel's centre.
+    pub radius: f64,
+}
+
+/// The shapes of pixel filters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilterKind {
+    /// The same everywhere.
+    Box,
+    /// Falls linearly to nothing at the radius.
+    Tent,
+    /// A Gaussian of standard deviation radius/3.
+    Gaussian,
+}
+
+impl Default for FilterDesc {
+    fn default() -> Self {
+        Self { kind: FilterKind::Box, radius: 0.5 }
+    }
 }
 
 /// What computes the image.

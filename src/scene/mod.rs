@@ -6,7 +6,7 @@ mod needs;
 mod prepare;
 
 pub use needs::SceneNeeds;
-pub use prepare::{Prepared, Warning, prepare};
+pub use prepare::{Prepared, Warning, prepare, surface_materials};
 
 use std::sync::Arc;
 

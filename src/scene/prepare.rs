@@ -5,12 +5,12 @@
 //! same bits. Radiance does not change with scale; radiant intensity does, with its square (E = I/r²).
 
 use super::desc::{
-    Diagnostic, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Place, SceneDesc, SceneError, ShapeDesc,
-    SurfaceDesc, is_black,
+    CameraDesc, Diagnostic, FilterKind, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Place, Projection,
+    SceneDesc, SceneError, ShapeDesc, SurfaceDesc, is_black,
 };
 use super::material::{self, Constants, rgb};
 use super::{SceneNeeds, Surface};
-use crate::camera::Camera;
+use crate::camera::{Camera, Filter, ThinLens};
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
 use crate::light::{
     AreaLight, DirectionalLight, Emission, Environment, EnvironmentLight, EnvironmentMap, Light, PointLight, SceneBall,
@@ -45,7 +45,7 @@ pub type Warning = Diagnostic;
 /// Brings a scene into render space.
 ///
 /// # Errors
-/// When the camera's transform shears, a transform carries a vertex out of range, or a light's power does not fit an f32.
+/// When the camera's transform shears or its sizes do not suit the scene's, a transform carries a vertex out of range, or a light's power does not fit an f32.
 pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     let mut errors = Vec::new();
     let (center, scale) = normalization(desc, &mut errors);
@@ -64,8 +64,7 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     if !errors.is_empty() {
         return Err(SceneError { diagnostics: errors });
     }
-    let [width, height] = desc.camera.resolution;
-    let camera = Camera::pinhole(&camera_to_render, desc.camera.vfov, width, height);
+    let camera = camera(&desc.camera, &camera_to_render)?;
 
     let mut builder = Builder { to_render, scale, ..Builder::default() };
     for surface in &desc.surfaces {
@@ -96,6 +95,54 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     Ok(Prepared { geometry, surfaces, lights, camera, needs, center, scale, warnings })
 }
 
+/// The material of each prepared surface, as an index into the scene's materials: delta points are not among them.
+pub fn surface_materials(desc: &SceneDesc) -> Vec<u32> {
+    let solid = desc.surfaces.iter().filter(|s| !matches!(s.shape, ShapeDesc::DeltaPoint));
+    solid.map(|s| s.material as u32).collect()
+}
+
+/// The camera in render space.
+fn camera(desc: &CameraDesc, to_render: &DAffine3) -> Result<Camera, SceneError> {
+    let [width, height] = desc.resolution;
+    let m = to_render.matrix3;
+    let [sx, sy, sz] = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length);
+    // The scene is about as large as 1: lengths far from it are mistakes, and leave f32.
+    let fits = |what: &str, size: f64, scale: f64, least: f64| {
+        let scaled = size * scale;
+        if (least..=LARGEST_LENGTH).contains(&scaled) {
+            return Ok(());
+        }
+        let message = format!(
+            "the camera's {what} {size} does not suit the size of the scene; allowed: {:e} to {:e}",
+            least / scale,
+            LARGEST_LENGTH / scale
+        );
+        Err(SceneError::one(desc.at.clone(), message))
+    };
+    let camera = match desc.projection {
+        Projection::Perspective { vfov, aperture: 0.0, .. } => Camera::pinhole(to_render, vfov, width, height),
+        Projection::Perspective { vfov, fdist, aperture } => {
+            fits("fdist", fdist, sz, 1.0 / LARGEST_LENGTH)?;
+            fits("aperture", aperture, sx.max(sy), 0.0)?;
+            Camera::thin_lens(to_render, vfov, ThinLens { radius: aperture, focus: fdist }, width, height)
+        }
+        Projection::Orthographic { height: film } => {
+            fits("height", film, sy, 1.0 / LARGEST_LENGTH)?;
+            fits("width", film * f64::from(width) / f64::from(height), sx, 1.0 / LARGEST_LENGTH)?;
+            Camera::orthographic(to_render, film, width, height)
+        }
+    };
+    let radius = desc.filter.radius;
+    Ok(camera.with_filter(match desc.filter.kind {
+        FilterKind::Box => Filter::boxed(radius),
+        FilterKind::Tent => Filter::Tent(radius as f32),
+        FilterKind::Gaussian => Filter::Gaussian(radius as f32),
+    }))
+}
+
+/// The largest length of a camera in render units, and the inverse of the smallest.
+const LARGEST_LENGTH: f64 = 1e6;
+
 /// Whether the axes of a map are not at right angles to each other (to 1e-4 of their lengths).
 fn shears(m: &DMat3) -> bool {
     let skew = |a: DVec3, b: DVec3| a.dot(b).abs() > 1e-4 * a.length() * b.length();
@@ -104,7 +151,7 @@ fn shears(m: &DMat3) -> bool {
 
 /// How far from a delta point a ray that is aimed at it may start.
 fn reach(camera: &Camera, geometry: &Geometry) -> f32 {
-    let mut farthest = camera.position().abs().max_element().max(1.0);
+    let mut farthest = camera.farthest_origin().max(1.0);
     for point in &geometry.delta_points {
         farthest = farthest.max(point.position.abs().max_element());
     }

@@ -23,7 +23,7 @@ fn view() -> View {
 
 /// Demands the radiance in every pixel, its mean to `mean`, and the same of the pixels along the image's edge and in its
 /// corners, where a splat that is cast to the wrong pixel goes missing or counts twice.
-fn is_uniform(what: &str, images: &[Image], radiance: f64, mean: f64) {
+pub fn is_uniform(what: &str, images: &[Image], radiance: f64, mean: f64) {
     let (w, h) = (images[0].width, images[0].height);
     let tiles = (w * h) as usize;
     let bounds = Bounds::new([w, h], 0.03, mean);

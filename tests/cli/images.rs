@@ -362,3 +362,41 @@ fn convert_refuses_and_touches_nothing() {
     );
     assert!(folder.snapshot() == before);
 }
+
+#[test]
+fn auxiliary_images_lie_beside_the_picture() {
+    let folder = Folder::with_room("aovs");
+    folder.ok(&["render", "room.json", "-q", "-o", "plain.exr"]);
+    folder.ok(&["render", "room.json", "-q", "-o", "all.exr", "-o", "all.png", "--aovs", "all"]);
+    folder.ok(&["render", "room.json", "-q", "-o", "again.exr", "--aovs", "all", "--threads", "2"]);
+    folder.ok(&["render", "room.json", "-q", "-o", "few.exr", "--aovs", "depth,normal"]);
+    // The picture keeps its bits, and the file its bytes.
+    assert_eq!(folder.image("plain.exr"), folder.image("all.exr"));
+    assert_eq!(folder.bytes("all.exr"), folder.bytes("again.exr"));
+    let channels = |name: &str| -> Vec<String> {
+        let meta = exr::meta::MetaData::read_from_file(folder.path(name), false).unwrap();
+        meta.headers[0].channels.list.iter().map(|c| c.name.to_string()).collect()
+    };
+    assert_eq!(channels("few.exr"), ["B", "G", "R", "depth.Z", "normal.X", "normal.Y", "normal.Z"]);
+    let all = channels("all.exr");
+    for name in [
+        "albedo.R",
+        "shading_normal.Y",
+        "primitive.id",
+        "material.id",
+        "emission.R",
+        "direct.G",
+        "indirect.B",
+        "depth1.R",
+        "depth6.B",
+        "variance.R",
+        "samples.count",
+        "lights.id",
+        "lights.visible",
+    ] {
+        assert!(all.iter().any(|c| c == name), "{name} is missing: {all:?}");
+    }
+    let refused = folder.run(&["render", "room.json", "-o", "x.png", "--aovs", "depth"]);
+    assert_eq!(refused.status, Some(2));
+    assert!(refused.stderr.contains("--aovs writes its images into an EXR"), "{}", refused.stderr);
+}

@@ -55,7 +55,7 @@ const JSON: &[Scene] = &[
         text: r#"{"camera": {«"vfovv": 40}}"#,
         messages: &[
             "/camera/vfovv: unknown key \"vfovv\"; did you mean \"vfov\"? allowed: type, transform, resolution, vfov, \
-             fdist",
+             fdist, aperture, filter",
         ],
     },
     Scene {
@@ -206,6 +206,19 @@ const CAMERA: &[Scene] = &[
             "/camera: the camera's transform shears: its axes must stay at right angles; use from/at/up, a rotation, a \
              translation or a scale",
         ],
+    },
+    Scene {
+        what: "A film that does not suit the scene",
+        text: r#"{"camera": «{"type": "orthographic", "height": 1e20}, "surfaces": [{"type": "quad", "material": {"type": "mirror"}}]}"#,
+        messages: &[
+            "/camera: the camera's height 100000000000000000000 does not suit the size of the scene; allowed: 1e-6 to \
+             1e6",
+        ],
+    },
+    Scene {
+        what: "A filter that is too wide",
+        text: r#"{"camera": {"filter": {"type": "tent", "radius": «200}}}"#,
+        messages: &["/camera/filter/radius: 200 is out of range; allowed: 0.01 to 100 pixels"],
     },
     Scene {
         what: "No samples",

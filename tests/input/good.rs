@@ -3,7 +3,8 @@
 use twinlight::import::load_scene;
 use twinlight::math::DVec3;
 use twinlight::scene::desc::{
-    EmpiricalModel, Facets, FresnelDesc, Heuristic, IntegratorKind, MaterialKind, Param, Place, SamplerKind, ShapeDesc,
+    EmpiricalModel, Facets, FilterDesc, FilterKind, FresnelDesc, Heuristic, IntegratorKind, MaterialKind, Param, Place,
+    Projection, SamplerKind, ShapeDesc,
 };
 
 use super::{mesh_of, read, shared};
@@ -32,7 +33,9 @@ fn a_whole_scene() {
 }"#;
     let scene = read(text).unwrap();
     assert_eq!(scene.camera.transform.translation.to_array(), [0.0, 1.0, 4.0]);
-    assert_eq!((scene.camera.resolution, scene.camera.vfov, scene.samples), ([32, 16], 90.0, 16));
+    assert_eq!((scene.camera.resolution, scene.samples), ([32, 16], 16));
+    assert_eq!(scene.camera.projection, Projection::Perspective { vfov: 90.0, fdist: 1.0, aperture: 0.0 });
+    assert_eq!(scene.camera.filter, FilterDesc { kind: FilterKind::Box, radius: 0.5 });
     assert_eq!((scene.integrator.kind, scene.integrator.max_bounces), (IntegratorKind::Path, 5));
     assert_eq!((scene.integrator.russian_roulette, scene.integrator.heuristic), (false, Heuristic::Balance));
     assert_eq!((scene.sampler.kind, scene.sampler.seed), (SamplerKind::Independent, 7));
@@ -134,7 +137,6 @@ fn models_of_reflection() {
         ]}"#,
     )
     .unwrap();
-    let value = Param::Value;
     let conductor = |fresnel, roughness: [f64; 2], facets, separable_masking, two_sided| MaterialKind::Conductor {
         fresnel,
         roughness: roughness.map(Param::Value),
@@ -142,36 +144,42 @@ fn models_of_reflection() {
         separable_masking,
         two_sided,
     };
-    let (eta, k) = (value([0.14, 0.37, 1.44]), value([3.98, 2.39, 1.6]));
+    let (eta, k) = (Param::Value([0.14, 0.37, 1.44]), Param::Value([3.98, 2.39, 1.6]));
     let wanted = [
         conductor(FresnelDesc::Index { eta, k }, [0.1, 0.3], Facets::Ggx, false, false),
-        conductor(FresnelDesc::Schlick { albedo: value([0.9; 3]) }, [0.1; 2], Facets::Ggx, false, true),
-        conductor(FresnelDesc::Constant { albedo: value([1.0; 3]) }, [0.1; 2], Facets::Ggx, true, false),
-        conductor(FresnelDesc::Schlick { albedo: value([1.0, 0.0, 1.0]) }, [0.0; 2], Facets::Beckmann, false, false),
-        conductor(FresnelDesc::Constant { albedo: value([0.5; 3]) }, [0.2; 2], Facets::Ggx, false, true),
-        MaterialKind::Mirror { albedo: value([1.0; 3]) },
-        MaterialKind::Dielectric { ior: 1.5, transmittance: value([1.0; 3]), roughness: [value(0.3); 2] },
+        conductor(FresnelDesc::Schlick { albedo: Param::Value([0.9; 3]) }, [0.1; 2], Facets::Ggx, false, true),
+        conductor(FresnelDesc::Constant { albedo: Param::Value([1.0; 3]) }, [0.1; 2], Facets::Ggx, true, false),
+        conductor(
+            FresnelDesc::Schlick { albedo: Param::Value([1.0, 0.0, 1.0]) },
+            [0.0; 2],
+            Facets::Beckmann,
+            false,
+            false,
+        ),
+        conductor(FresnelDesc::Constant { albedo: Param::Value([0.5; 3]) }, [0.2; 2], Facets::Ggx, false, true),
+        MaterialKind::Mirror { albedo: Param::Value([1.0; 3]) },
+        MaterialKind::Dielectric { ior: 1.5, transmittance: Param::Value([1.0; 3]), roughness: [Param::Value(0.3); 2] },
         MaterialKind::Plastic {
-            albedo: value([0.5; 3]),
+            albedo: Param::Value([0.5; 3]),
             ior: 1.5,
-            roughness: value(0.1),
+            roughness: Param::Value(0.1),
             nonlinear: true,
             two_sided: false,
         },
         MaterialKind::ThinDielectric { ior: 1.3 },
         MaterialKind::Empirical {
-            albedo: value([1.0; 3]),
-            model: EmpiricalModel::Phong { exponent: value(10.0) },
+            albedo: Param::Value([1.0; 3]),
+            model: EmpiricalModel::Phong { exponent: Param::Value(10.0) },
             two_sided: false,
         },
         MaterialKind::Empirical {
-            albedo: value([1.0; 3]),
-            model: EmpiricalModel::BlinnPhong { exponent: value(1e6) },
+            albedo: Param::Value([1.0; 3]),
+            model: EmpiricalModel::BlinnPhong { exponent: Param::Value(1e6) },
             two_sided: false,
         },
         MaterialKind::Empirical {
-            albedo: value([0.6; 3]),
-            model: EmpiricalModel::OrenNayar { sigma: value(0.35) },
+            albedo: Param::Value([0.6; 3]),
+            model: EmpiricalModel::OrenNayar { sigma: Param::Value(0.35) },
             two_sided: true,
         },
     ];

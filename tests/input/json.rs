@@ -75,11 +75,12 @@ fn keys() {
         (
             r#"{"camera": {«"vfovv": 40}}"#,
             "/camera/vfovv: unknown key \"vfovv\"; did you mean \"vfov\"? allowed: type, transform, resolution, vfov, \
-             fdist",
+             fdist, aperture, filter",
         ),
         (
             r#"{"camera": {«"a/b~c": 1}}"#,
-            "/camera/a~1b~0c: unknown key \"a/b~c\"; allowed: type, transform, resolution, vfov, fdist",
+            "/camera/a~1b~0c: unknown key \"a/b~c\"; allowed: type, transform, resolution, vfov, fdist, aperture, \
+             filter",
         ),
         (
             "{\"camera\": {\"vfov\": 40,\n  «\"vfov\": 50}}",

@@ -1,6 +1,6 @@
 //! Camera, transforms, integrator, sampler.
 
-use super::{each, read};
+use super::{each, expect_errors, read};
 
 #[test]
 fn camera() {
@@ -30,26 +30,39 @@ fn camera() {
             (r#""fdist": «0"#, "/camera/fdist: 0 is out of range; allowed: above 0"),
             (r#""aperture": «-0.1"#, "/camera/aperture: -0.1 is out of range; allowed: 0 or above"),
             (
-                r#""aperture": «0.1"#,
-                "/camera/aperture: an aperture above 0 (thin lens) is not supported yet; supported: 0 (pinhole)",
+                r#""type": «"fisheye", "height": 1, "vfov": 3"#,
+                "/camera/type: unknown camera type \"fisheye\"; allowed: perspective, orthographic",
+            ),
+            (r#""type": "orthographic", "height": «0"#, "/camera/height: 0 is out of range; allowed: above 0"),
+            (
+                r#""type": "orthographic", "height": 1, «"vfov": 40"#,
+                "/camera/vfov: unknown key \"vfov\"; allowed: type, transform, resolution, height, filter",
             ),
             (
-                r#""type": «"orthographic""#,
-                "/camera/type: camera type \"orthographic\" is not supported yet; supported: perspective",
+                r#"«"height": 1"#,
+                "/camera/height: unknown key \"height\"; allowed: type, transform, resolution, vfov, fdist, aperture, \
+                 filter",
             ),
-            (r#""type": «"fisheye""#, "/camera/type: unknown camera type \"fisheye\"; allowed: perspective"),
+            (r#""filter": «{"radius": 1}"#, "/camera/filter: \"type\" is missing"),
             (
-                r#""filter": {"type": «"tent"}"#,
-                "/camera/filter/type: filter \"tent\" is not supported yet; supported: box",
+                r#""filter": {"type": «"mitchell"}"#,
+                "/camera/filter/type: unknown filter \"mitchell\"; allowed: box, tent, gaussian",
             ),
             (
-                r#""filter": {"type": "box", "radius": «1}"#,
-                "/camera/filter/radius: a filter of radius 1 is not supported yet; supported: 0.5 (one pixel)",
+                r#""filter": {"type": "tent", "radius": «0}"#,
+                "/camera/filter/radius: 0 is out of range; allowed: 0.01 to 100 pixels",
+            ),
+            (
+                r#""filter": {"type": "gaussian", «"sigma": 1}"#,
+                "/camera/filter/sigma: unknown key \"sigma\"; allowed: type, radius",
             ),
         ],
     );
+    expect_errors(r#"{"camera": «{"type": "orthographic"}}"#, &["/camera: \"height\" is missing"]);
     for good in [
         "",
+        r#""aperture": 0.1, "fdist": 2, "filter": {"type": "gaussian"}"#,
+        r#""type": "orthographic", "height": 3, "filter": {"type": "tent", "radius": 0.5}"#,
         r#""vfov": 0.001"#,
         r#""vfov": 179.9"#,
         r#""resolution": 1"#,

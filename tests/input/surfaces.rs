@@ -271,10 +271,10 @@ fn a_mistake_in_the_type_hides_no_other() {
     );
     // Of a type that is still to come only what every surface has is known.
     expect_errors(
-        r#"{"camera": {"type": «"orthographic", "vfov": «0}, "surfaces": [
+        r#"{"camera": {"type": «"fisheye", "vfov": «0}, "surfaces": [
             {"type": «"cube", "edge": 1, "transform": «{"scale": 0}, "material": «"none"}]}"#,
         &[
-            "/camera/type: camera type \"orthographic\" is not supported yet; supported: perspective",
+            "/camera/type: unknown camera type \"fisheye\"; allowed: perspective, orthographic",
             "/camera/vfov: 0 is out of range; allowed: between 0 and 180 degrees",
             &format!("/surfaces/0/type: surface type \"cube\" is not supported yet; supported: {SURFACES}"),
             "/surfaces/0/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",

@@ -72,12 +72,32 @@ fn emission_times_a_power_of_two_is_the_image_times_it() {
     }
 }
 
+/// The scene through another camera, whose lengths scale with it.
+fn through(scale: f64, camera: usize) -> Value {
+    let mut json = scaled(scale, 1.0);
+    let keys = match camera {
+        0 => json!({}),
+        1 => json!({ "aperture": 0.1 * scale, "fdist": 3.0 * scale, "filter": { "type": "gaussian" } }),
+        _ => json!({ "type": "orthographic", "height": 2.5 * scale, "filter": { "type": "tent", "radius": 0.7 } }),
+    };
+    if let (Some(all), Some(keys)) = (json["camera"].as_object_mut(), keys.as_object()) {
+        if keys.contains_key("height") {
+            all.remove("vfov");
+        }
+        all.extend(keys.clone());
+    }
+    json
+}
+
 #[test]
 fn a_scene_a_power_of_two_larger_is_the_same_image() {
     for integrator in INTEGRATORS {
-        let plain = image(&scaled(1.0, 1.0), integrator);
-        for k in [-20, -3, 20] {
-            assert_eq!(image(&scaled(f64::powi(2.0, k), 1.0), integrator), plain, "{integrator:?}, 2^{k}");
+        for camera in 0..3 {
+            let plain = image(&through(1.0, camera), integrator);
+            for k in [-20, -3, 20] {
+                let larger = image(&through(f64::powi(2.0, k), camera), integrator);
+                assert_eq!(larger, plain, "{integrator:?}, camera {camera}, 2^{k}");
+            }
         }
     }
 }

@@ -6,9 +6,10 @@
 use super::{Bdpt, Partial, Vertex};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
-use crate::camera::CameraSample;
+use crate::camera::{CameraSample, LensNumbers};
 use crate::geometry::SurfacePoint;
 use crate::integrator::Recorder;
+use crate::integrator::light::lens_numbers;
 use crate::integrator::path::dimensions;
 use crate::light::{Light, LightEdge, LightPoint};
 use crate::math::{Ray, Rgb, Vec3, distance_squared};
@@ -191,29 +192,40 @@ impl Bdpt {
 
     /// t = 1, s ≥ 2: light vertex `y` seen by the camera.
     #[inline]
-    pub(super) fn connect_to_camera<A: Accel>(&self, scene: &Scene<A>, y: &Vertex, recorder: &mut Recorder) {
+    pub(super) fn connect_to_camera<A: Accel>(
+        &self,
+        scene: &Scene<A>,
+        y: &Vertex,
+        sampler: &mut Sampler,
+        recorder: &mut Recorder,
+    ) {
         if !self.settings.wants(y.number, 1) {
             return;
         }
-        let Some((lens, value)) = self.evaluate_lens(scene, y) else { return };
+        let numbers = lens_numbers(&scene.camera, sampler, y.number);
+        let Some((lens, value)) = self.evaluate_lens(scene, y, &numbers) else { return };
         recorder.rays.lens += 1;
-        if !scene.accel.occluded(&Ray::segment(y.at.origin(lens.wi), scene.camera.position())) {
+        if !scene.accel.occluded(&Ray::segment(y.at.origin(lens.wi), lens.p)) {
             recorder.splat(y.number, 1, lens.pixel, value);
         }
     }
 
     /// The weighted contribution of light vertex `y` to the pixel it is seen through, visibility left out.
     #[inline]
-    pub(super) fn evaluate_lens<A: Accel>(&self, scene: &Scene<A>, y: &Vertex) -> Option<(CameraSample, Rgb)> {
-        let lens = scene.camera.sample_lens(y.at.p())?;
+    pub(super) fn evaluate_lens<A: Accel>(
+        &self,
+        scene: &Scene<A>,
+        y: &Vertex,
+        numbers: &LensNumbers,
+    ) -> Option<(CameraSample, Rgb)> {
+        let lens = scene.camera.sample_lens(y.at.p(), numbers)?;
         let value = y.bsdf.eval(&y.at, y.wo, lens.wi, Transport::Importance)?;
-        let d2 = distance_squared(y.at.p(), scene.camera.position());
-        let pdf_lens = f64::from(lens.pdf.0);
+        let pdf_lens = lens.pdf.0;
         let cos = f64::from(lens.wi.dot(y.at.ng).abs());
         let behind = self.mis.behind(&y.partial, self.count_behind_light(y.number), f64::from(value.pdf_rev.0));
         let others = self.mis.h(pdf_lens * cos) * behind / self.mis.light_paths;
         // F holds the cosine at y, and We·cosθ is the camera's density.
-        let scale = pdf_lens * self.mis.weight_over_d2(others, d2) / self.light_paths_per_pass;
+        let scale = pdf_lens * self.mis.weight_over_d2(others, lens.d2) / self.light_paths_per_pass;
         Some((lens, y.beta * value.f * scale as f32))
     }
 
@@ -225,14 +237,16 @@ impl Bdpt {
         light: &Light,
         y: &SurfacePoint,
         pdf_position: f64,
+        sampler: &mut Sampler,
         recorder: &mut Recorder,
     ) {
         if !self.settings.wants(1, 1) {
             return;
         }
-        let Some((lens, value)) = self.evaluate_light_in_lens(scene, light, y, pdf_position) else { return };
+        let numbers = lens_numbers(&scene.camera, sampler, 1);
+        let Some((lens, value)) = self.evaluate_light_in_lens(scene, light, y, pdf_position, &numbers) else { return };
         recorder.rays.lens += 1;
-        if !scene.accel.occluded(&Ray::segment(y.origin(lens.wi), scene.camera.position())) {
+        if !scene.accel.occluded(&Ray::segment(y.origin(lens.wi), lens.p)) {
             recorder.splat(1, 1, lens.pixel, value);
         }
     }
@@ -245,17 +259,17 @@ impl Bdpt {
         light: &Light,
         y: &SurfacePoint,
         pdf_position: f64,
+        numbers: &LensNumbers,
     ) -> Option<(CameraSample, Rgb)> {
-        let lens = scene.camera.sample_lens(y.p())?;
+        let lens = scene.camera.sample_lens(y.p(), numbers)?;
         let le = light.emitted(&LightPoint::Surface(*y), lens.wi);
         if le == Rgb::ZERO {
             return None;
         }
-        let d2 = distance_squared(y.p(), scene.camera.position());
-        let seen = f64::from(lens.pdf.0) * f64::from(y.ng.dot(lens.wi).abs()) / pdf_position;
+        let seen = lens.pdf.0 * f64::from(y.ng.dot(lens.wi).abs()) / pdf_position;
         // The one alternative is the camera ray that hits the light.
         let others = self.mis.h(seen) / self.mis.light_paths;
-        let scale = seen * self.mis.weight_over_d2(others, d2) / self.light_paths_per_pass;
+        let scale = seen * self.mis.weight_over_d2(others, lens.d2) / self.light_paths_per_pass;
         Some((lens, le * scale as f32))
     }
 }

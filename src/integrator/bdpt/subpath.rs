@@ -6,7 +6,7 @@ use super::{Bdpt, Vertex};
 use crate::accel::Accel;
 use crate::bsdf::{BsdfSample, Transport};
 use crate::integrator::light::dimensions as light_dimensions;
-use crate::integrator::path::dimensions as camera_dimensions;
+use crate::integrator::path::{camera_ray, dimensions as camera_dimensions};
 use crate::integrator::{Recorder, Roulette};
 use crate::light::LightPoint;
 use crate::math::{Ray, Rgb, distance_squared};
@@ -28,7 +28,7 @@ impl Bdpt {
         let pdf_position = (emission.pdf_position * pmf).0;
         // A delta light has no area to be seen, an environment no place.
         if let LightPoint::Surface(at) = &emission.point {
-            self.connect_light_to_camera(scene, light, at, pdf_position, recorder);
+            self.connect_light_to_camera(scene, light, at, pdf_position, &mut sampler, recorder);
         }
         if self.settings.max_bounces == 0 {
             return;
@@ -70,7 +70,7 @@ impl Bdpt {
             };
             let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };
             if vertex.bsdf.is_connectible() {
-                self.connect_to_camera(scene, &vertex, recorder);
+                self.connect_to_camera(scene, &vertex, &mut sampler, recorder);
                 self.light_vertices.push(vertex);
             }
             let block = light_dimensions::START + (number - 2) * light_dimensions::BLOCK;
@@ -100,7 +100,7 @@ impl Bdpt {
         if !scene.needs.light {
             return;
         }
-        let primary = scene.camera.generate_ray(pixel, sampler.next_2d());
+        let primary = camera_ray(&scene.camera, pixel, &mut sampler);
         let mut ray = primary.ray;
         let mut from = ray.o;
         let mut beta = Rgb::ONE;
@@ -115,7 +115,7 @@ impl Bdpt {
                     if !scene.environments.is_empty() {
                         // A point at infinity: no distance and no cosine belong to the edge.
                         let partial = match &departure {
-                            None => self.mis.arrive_from_camera(f64::from(primary.pdf.0), 1.0, 1.0, !through_window),
+                            None => self.mis.arrive_from_camera(primary.pdf.0, 1.0, 1.0, !through_window),
                             Some(departure) => self.mis.arrive(departure, 1.0, 1.0, !through_window),
                         };
                         let point = LightPoint::Infinite(ray.d);
@@ -134,7 +134,10 @@ impl Bdpt {
             }
             let d2 = distance_squared(from, at.p());
             let partial = match &departure {
-                None => self.mis.arrive_from_camera(f64::from(primary.pdf.0), d2, cos_in, !arrival.through_window),
+                None => {
+                    let d2 = scene.camera.edge_d2(from, at.p());
+                    self.mis.arrive_from_camera(primary.pdf.0, d2, cos_in, !arrival.through_window)
+                }
                 Some(departure) => self.mis.arrive(departure, d2, cos_in, !arrival.through_window),
             };
             let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };

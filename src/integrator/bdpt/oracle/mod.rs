@@ -14,13 +14,14 @@ mod paths;
 
 use rayon::prelude::*;
 
-use paths::{FullPath, Inner, random_path, scene};
+use paths::{FullPath, Inner, ORTHOGRAPHIC, PINHOLE, THIN_LENS, random_path, scene};
 
 use super::connect::EmitterHit;
 use super::mis::{Departure, LightStart, Mis, Partial};
 use super::{Bdpt, Vertex};
 use crate::accel::bvh::BvhAccel;
 use crate::bsdf::{Bsdf, Transport};
+use crate::camera::CameraSample;
 use crate::geometry::SurfacePoint;
 use crate::integrator::{Crop, Settings};
 use crate::light::LightPoint;
@@ -92,8 +93,10 @@ impl Judge<'_> {
         let k = path.inner.len() + 1; // the camera's index
         let light = &scene.lights[path.light as usize];
         let choice = scene.light_choice.as_ref()?;
-        let p = |i: usize| path.point(scene, i);
-        let dir = |i: usize, j: usize| path.direction(scene, i, j);
+        // The lens point is the path's own; that of parallel rays follows from the vertex they see.
+        let lens = path.lens(scene)?;
+        let p = |i: usize| path.point(i);
+        let dir = |i: usize, j: usize| path.direction(i, j);
         let d2 = |i: usize| path.distance_squared(scene, i); // edge i, i+1
         let cos_in = |i: usize, from: usize| match i {
             0 => path.start.cos(dir(0, from)),
@@ -106,7 +109,6 @@ impl Judge<'_> {
         if le == Rgb::ZERO {
             return None;
         }
-        let lens = scene.camera.sample_lens(p(k - 1))?;
         // Joined points of one plane see each other edge-on; visibility, left out here, excludes them.
         if (0..k).any(|i| (i > 0 && cos_in(i, i - 1) < 1e-6) || cos_in(i, i + 1) < 1e-6) {
             return None;
@@ -147,7 +149,7 @@ impl Judge<'_> {
             w * cos_in(i, i - 1) / d2(i - 1)
         };
         let backward = |i: usize| {
-            let w = if i == k - 1 { f64::from(lens.pdf.0) } else { fc(i + 1).pdf_fwd };
+            let w = if i == k - 1 { lens.pdf.0 } else { fc(i + 1).pdf_fwd };
             w * cos_in(i, i + 1) / d2(i)
         };
         let density = |s: usize| {
@@ -187,7 +189,7 @@ impl Judge<'_> {
         let total: f64 = terms.iter().sum();
 
         // The production recursion along the same vertices.
-        let (light_side, camera_side) = self.subpaths(path, k, le, emission, direct, direction, &lens.pdf.0, &fl, &fc);
+        let (light_side, camera_side) = self.subpaths(path, k, le, emission, direct, direction, &lens, &fl, &fc);
         let mut verdicts = Vec::new();
         for s in (0..=k).filter(|&s| feasible(s)) {
             let value = |b: &Bdpt| -> Option<Rgb> {
@@ -199,9 +201,9 @@ impl Judge<'_> {
                     }
                     s if s == k && k == 1 => {
                         let LightPoint::Surface(at) = &path.start else { return None };
-                        b.evaluate_light_in_lens(scene, light, at, emission).map(|x| x.1)
+                        b.evaluate_light_in_lens(scene, light, at, emission, &path.numbers).map(|x| x.1)
                     }
-                    s if s == k => b.evaluate_lens(scene, &light_side(k - 1)).map(|x| x.1),
+                    s if s == k => b.evaluate_lens(scene, &light_side(k - 1), &path.numbers).map(|x| x.1),
                     1 => b.evaluate_next_event(scene, light, &path.start, direct, pmf_emission, &camera_side(1)),
                     s => b.evaluate_connection(&light_side(s - 1), &camera_side(s)),
                 }
@@ -224,13 +226,13 @@ impl Judge<'_> {
         emission: f64,
         direct: f64,
         direction: f64,
-        lens_pdf: &f32,
+        lens: &CameraSample,
         fl: &dyn Fn(usize) -> Scatter,
         fc: &dyn Fn(usize) -> Scatter,
     ) -> (impl Fn(usize) -> Vertex + 'p, impl Fn(usize) -> Vertex + 'p) {
         let mis: Mis = self.weighted.mis;
         let light = &self.scene.lights[path.light as usize];
-        let dir = |i: usize, j: usize| path.direction(self.scene, i, j);
+        let dir = |i: usize, j: usize| path.direction(i, j);
         let cos0 = path.start.cos(dir(0, 1));
 
         let mut lights: Vec<Vertex> = Vec::new();
@@ -279,7 +281,7 @@ impl Judge<'_> {
             let d2 = path.distance_squared(self.scene, i);
             let open = !path.windows[i];
             let partial: Partial = match &departure {
-                None => mis.arrive_from_camera(f64::from(*lens_pdf), d2, cos, open),
+                None => mis.arrive_from_camera(lens.pdf.0, d2, cos, open),
                 Some(d) => mis.arrive(d, d2, cos, open),
             };
             let number = (k - i) as u32 + 1;
@@ -378,14 +380,18 @@ impl Seen {
 
 #[test]
 fn weights_partition_unity_and_every_technique_measures_the_same() {
-    let scene = scene();
     let mut paths = 0;
-    for (heuristic, light_paths, connections, tries) in [
-        (Heuristic::Power, 1, 1, 2_000_000),
-        (Heuristic::Power, 3, 2, 500_000),
-        (Heuristic::Balance, 2, 1, 500_000),
-        (Heuristic::Uniform, 1, 1, 200_000),
+    for (camera, heuristic, light_paths, connections, tries) in [
+        (PINHOLE, Heuristic::Power, 1, 1, 2_000_000),
+        (PINHOLE, Heuristic::Power, 3, 2, 500_000),
+        (PINHOLE, Heuristic::Balance, 2, 1, 500_000),
+        (PINHOLE, Heuristic::Uniform, 1, 1, 200_000),
+        (THIN_LENS, Heuristic::Power, 2, 1, 200_000),
+        (THIN_LENS, Heuristic::Balance, 1, 1, 100_000),
+        (ORTHOGRAPHIC, Heuristic::Power, 2, 1, 200_000),
+        (ORTHOGRAPHIC, Heuristic::Balance, 1, 1, 100_000),
     ] {
+        let scene = scene(camera);
         let crop = Crop::full(scene.camera.resolution());
         let settings = Settings { heuristic, light_paths, connections, ..Settings::default() };
         let per_pass = f64::from(light_paths) * crop.pixels() as f64;
@@ -401,7 +407,7 @@ fn weights_partition_unity_and_every_technique_measures_the_same() {
         };
         let seen = (0..tries).into_par_iter().map(|i| Seen::path(&judge, i)).reduce(Seen::default, Seen::merge);
         println!(
-            "{heuristic:?} {light_paths}/{connections}: {} paths ({} with delta vertices), {} techniques; worst Σw−1 \
+            "{camera}: {heuristic:?} {light_paths}/{connections}: {} paths ({} with delta vertices), {} techniques; worst Σw−1 \
              {:.1e}, weight {:.1e}, identity {:.1e}; {} beyond 1e-4 next to delta vertices, by at most {:.1e}, where the condition is at \
              most {:.1e}; their ratio at most {:.2}",
             seen.paths,

@@ -2,6 +2,7 @@
 
 use crate::accel::bvh::BvhAccel;
 use crate::bsdf::{Bsdf, Transport};
+use crate::camera::{CameraSample, LensNumbers};
 use crate::geometry::SurfacePoint;
 use crate::light::LightPoint;
 use crate::math::{DMat3, Ray, Vec3, distance_squared};
@@ -26,35 +27,55 @@ pub struct FullPath {
     pub light: u32,
     pub start: LightPoint,
     pub inner: Vec<Inner>,
+    /// The camera's end, where the camera walk started, and the numbers it was made with.
+    pub camera: Vec3,
+    pub numbers: LensNumbers,
     /// `windows[i]`: a window lies between vertex i and vertex i + 1.
     pub windows: Vec<bool>,
 }
 
 impl FullPath {
     /// Where vertex `i` is; not asked for a light at infinity.
-    pub fn point(&self, scene: &Scene<BvhAccel>, i: usize) -> Vec3 {
+    pub fn point(&self, i: usize) -> Vec3 {
         match (i, &self.start) {
             (0, LightPoint::Surface(s)) => s.p(),
             (0, LightPoint::Delta(p)) => *p,
             (0, LightPoint::Infinite(_)) => panic!("a point at infinity is nowhere"),
-            (i, _) if i == self.inner.len() + 1 => scene.camera.position(),
+            (i, _) if i == self.inner.len() + 1 => self.camera,
             (i, _) => self.inner[i - 1].at.p(),
         }
     }
 
     /// Unit direction from vertex `i` to vertex `j`.
-    pub fn direction(&self, scene: &Scene<BvhAccel>, i: usize, j: usize) -> Vec3 {
+    pub fn direction(&self, i: usize, j: usize) -> Vec3 {
         match (i, j, &self.start) {
             (0, _, LightPoint::Infinite(toward)) => -*toward,
             (_, 0, LightPoint::Infinite(toward)) => *toward,
-            _ => (self.point(scene, j) - self.point(scene, i)).normalize(),
+            _ => (self.point(j) - self.point(i)).normalize(),
         }
     }
 
-    /// Squared length of the edge between vertices `i` and `i + 1`; 1 from infinity.
+    /// The camera as the last vertex before it sees it; `None` out of view.
+    pub fn lens(&self, scene: &Scene<BvhAccel>) -> Option<CameraSample> {
+        if self.inner.is_empty() && matches!(self.start, LightPoint::Infinite(_)) {
+            return None;
+        }
+        scene.camera.sample_lens(self.point(self.inner.len()), &self.numbers)
+    }
+
+    /// Puts the camera's end where the lens says: parallel rays start opposite what they see.
+    fn with_lens(mut self, scene: &Scene<BvhAccel>) -> Option<Self> {
+        self.camera = self.lens(scene)?.p;
+        Some(self)
+    }
+
+    /// Squared length of the edge between vertices `i` and `i + 1`; 1 where the density of an edge has no 1/d².
     pub fn distance_squared(&self, scene: &Scene<BvhAccel>, i: usize) -> f64 {
-        let next = self.point(scene, i + 1);
-        if i == 0 { self.start.distance_squared(next) } else { distance_squared(self.point(scene, i), next) }
+        if i == self.inner.len() {
+            return scene.camera.edge_d2(self.camera, self.point(i));
+        }
+        let next = self.point(i + 1);
+        if i == 0 { self.start.distance_squared(next) } else { distance_squared(self.point(i), next) }
     }
 
     /// Relative error that the rounding of stored points causes at delta vertices: that of a direction is ε over the
@@ -64,7 +85,7 @@ impl FullPath {
         let mut sum = 0.0;
         for (i, v) in (1..).zip(&self.inner).filter(|(_, v)| !v.bsdf.is_connectible()) {
             for (end, edge) in [(i - 1, i - 1), (i + 1, i)] {
-                let cos = f64::from(self.direction(scene, i, end).dot(v.at.ng).abs());
+                let cos = f64::from(self.direction(i, end).dot(v.at.ng).abs());
                 sum += f64::from(f32::EPSILON) / (self.distance_squared(scene, edge).sqrt() * cos * cos);
             }
         }
@@ -105,7 +126,7 @@ fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &m
 
 /// An open box with an area light, a spot and a point light, a sky and a sun, a mirror, something that shines within glass, a glass sphere, a curved mesh and a window.
 const SCENE: &str = r#"{
- "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], "vfov": 50},
+ "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], @},
  "materials": [
   {"name": "white", "type": "lambertian", "albedo": [0.8, 0.7, 0.6], "two_sided": true},
   {"name": "glow", "type": "lambertian", "albedo": 0.4, "two_sided": true, "emit": [0.2, 0.1, 0.3]},
@@ -136,9 +157,15 @@ const SCENE: &str = r#"{
  ]
 }"#;
 
+/// The cameras that the box is seen through.
+pub const PINHOLE: &str = r#""vfov": 50"#;
+pub const THIN_LENS: &str = r#""vfov": 50, "fdist": 2.5, "aperture": 0.3, "filter": {"type": "gaussian"}"#;
+pub const ORTHOGRAPHIC: &str = r#""type": "orthographic", "height": 2.4, "filter": {"type": "tent"}"#;
+
 /// That box, prepared, on the pure-Rust BVH.
-pub fn scene() -> Scene<BvhAccel> {
-    let mut desc = crate::import::scene_from_str(SCENE, "oracle.json", std::path::Path::new(".")).expect("valid scene");
+pub fn scene(camera: &str) -> Scene<BvhAccel> {
+    let mut desc = crate::import::scene_from_str(&SCENE.replace('@', camera), "oracle.json", std::path::Path::new("."))
+        .expect("valid scene");
     // A coarse sky, some of it black, with texels between which the density varies a hundredfold.
     let texel = |i: u32| {
         if i % 5 == 0 { [0.0; 3] } else { [0.002, 0.02, 0.2].map(|x| x * (0.1 + f64::from(i * 7 % 11)) as f32) }
@@ -159,7 +186,14 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
     let ray = Ray::new(emission.origin, emission.w);
     let mut light_walk = walk(scene, ray, Transport::Importance, &mut u, 5).vertices;
     let pixel = [(u.next_1d() * 32.0) as u32, (u.next_1d() * 24.0) as u32];
-    let ray = scene.camera.generate_ray(pixel, u.next_2d()).ray;
+    let film = u.next_2d();
+    let numbers = if scene.camera.needs_numbers() {
+        LensNumbers { lens: u.next_2d(), pixel: u.next_2d() }
+    } else {
+        LensNumbers::IDLE
+    };
+    let ray = scene.camera.generate_ray(pixel, film, numbers.lens).ray;
+    let camera = ray.o;
     let Walk { vertices: mut camera_walk, escape } = walk(scene, ray, Transport::Radiance, &mut u, 5);
     if camera_walk.is_empty() {
         return None;
@@ -171,7 +205,8 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
         let light = environments[(u.next_1d() * environments.len() as f32) as usize];
         let windows = [through_window].into_iter().chain(camera_walk.iter().rev().map(|v| v.through_window)).collect();
         let inner = camera_walk.into_iter().rev().collect();
-        return Some(FullPath { light, start: LightPoint::Infinite(toward), inner, windows });
+        return FullPath { light, start: LightPoint::Infinite(toward), inner, windows, numbers, camera }
+            .with_lens(scene);
     }
     camera_walk.truncate(1 + (u.next_1d() * camera_walk.len() as f32) as usize);
     if by_chance {
@@ -181,7 +216,8 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
         let mut windows: Vec<bool> = vec![end.through_window];
         windows.extend(camera_walk.iter().rev().map(|v| v.through_window));
         let inner = camera_walk.into_iter().rev().collect();
-        return Some(FullPath { light: end.light?, start: LightPoint::Surface(end.at), inner, windows });
+        return FullPath { light: end.light?, start: LightPoint::Surface(end.at), inner, camera, numbers, windows }
+            .with_lens(scene);
     }
     light_walk.truncate((u.next_1d() * (light_walk.len() + 1) as f32) as usize);
     // The joined ends must be connectible, and are taken to see each other.
@@ -192,5 +228,5 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
     windows.push(false);
     windows.extend(camera_walk.iter().rev().map(|v| v.through_window));
     let inner = light_walk.into_iter().chain(camera_walk.into_iter().rev()).collect();
-    Some(FullPath { light, start: emission.point, inner, windows })
+    FullPath { light, start: emission.point, inner, camera, numbers, windows }.with_lens(scene)
 }

@@ -1,0 +1,233 @@
+//! Auxiliary images: what camera rays meet first, by which paths light arrives, how sure the picture is.
+//!
+//! They are made beside the picture, by rays of their own along those that the picture's camera subpaths start with:
+//! asking for them changes no bit of it. Each pixel is computed on its own, in the order of its samples, so that they,
+//! too, are the same for any number of threads.
+
+use rayon::prelude::*;
+
+use super::{RenderError, Rendered, pool};
+use crate::accel::Accel;
+use crate::bsdf::Transport;
+use crate::camera::LensNumbers;
+use crate::film::{Channel, Image};
+use crate::integrator::path::{camera_ray, dimensions};
+use crate::integrator::{Crop, Settings};
+use crate::math::{Ray, Rgb, Vec3};
+use crate::sampling::{Sampler, Stream};
+use crate::scene::Scene;
+
+/// An auxiliary image, or a family of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aov {
+    /// `albedo.{R,G,B}`: the fraction of light the first surface scatters toward the camera's ray; 0 where there is none.
+    Albedo,
+    /// `normal.{X,Y,Z}`: the geometric normal of the first surface, world axes, unit; 0 where there is none.
+    Normal,
+    /// `shading_normal.{X,Y,Z}`: the same of the shading normal.
+    ShadingNormal,
+    /// `depth.Z`: distance of the first surface along the optical axis, scene units; infinite where there is none.
+    Depth,
+    /// `primitive.id`: 1 + the index of the first primitive at the pixel's centre, triangles first, then quadrics.
+    Primitive,
+    /// `material.id`: 1 + the index of the material there, in the order of the file.
+    Material,
+    /// `emission`, `direct`, `indirect`: light that scattered not at all, once, more often. They sum to the picture.
+    Direct,
+    /// `depth1` …: light by number of edges of its path.
+    PerDepth,
+    /// `variance.{R,G,B}`: estimated variance of the picture's pixel, were its samples independent.
+    Variance,
+    /// `samples.count`: camera samples of the pixel.
+    SampleCount,
+    /// `lights.id`: 1 + the index of the nearest delta point seen in the pixel, whatever is before it; `lights.visible`:
+    /// 1 where nothing is.
+    Lights,
+}
+
+/// Camera rays per pixel whose first surfaces are averaged, at the most.
+const MOST_RAYS: u32 = 64;
+
+const RGB: [&str; 3] = ["R", "G", "B"];
+const XYZ: [&str; 3] = ["X", "Y", "Z"];
+
+/// What the first surfaces are looked at with.
+#[derive(Clone, Copy, Debug)]
+pub struct AovJob<'a> {
+    /// Sampler and seed of the picture.
+    pub settings: Settings,
+    /// Samples per pixel of the picture.
+    pub samples: u32,
+    /// Which pixels.
+    pub crop: Crop,
+    /// Worker threads; 0 for one per logical processor.
+    pub threads: usize,
+    /// Which images.
+    pub wanted: &'a [Aov],
+    /// Render units per scene unit.
+    pub scale: f64,
+    /// Material by surface (`scene::surface_materials`).
+    pub materials: &'a [u32],
+}
+
+/// What is known of one pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Texel {
+    albedo: [f32; 3],
+    ng: [f32; 3],
+    ns: [f32; 3],
+    depth: f32,
+    primitive: u32,
+    material: u32,
+}
+
+impl AovJob<'_> {
+    fn wants(&self, any: &[Aov]) -> bool {
+        any.iter().any(|aov| self.wanted.contains(aov))
+    }
+
+    /// The images that follow from the scene alone, in the order of `Aov`.
+    ///
+    /// # Errors
+    /// When the threads cannot be started.
+    pub fn of_scene<A: Accel>(&self, scene: &Scene<A>) -> Result<Vec<Channel>, RenderError> {
+        let mut out = Vec::new();
+        use Aov::{Albedo, Depth, Lights, Material, Normal, Primitive, SampleCount, ShadingNormal};
+        if self.wants(&[Albedo, Normal, ShadingNormal, Depth, Primitive, Material]) {
+            let row = |y| (self.crop.x0..self.crop.x1).map(|x| self.texel(scene, [x, y])).collect::<Vec<_>>();
+            let texels: Vec<Texel> = pool(self.threads)?
+                .install(|| (self.crop.y0..self.crop.y1).into_par_iter().map(row).collect::<Vec<_>>())
+                .concat();
+            let mut triple = |aov, layer, names, of: fn(&Texel) -> [f32; 3]| {
+                if self.wants(&[aov]) {
+                    out.extend(Channel::triple(layer, names, &texels.iter().map(of).collect::<Vec<_>>()));
+                }
+            };
+            triple(Albedo, "albedo", RGB, |t| t.albedo);
+            triple(Normal, "normal", XYZ, |t| t.ng);
+            triple(ShadingNormal, "shading_normal", XYZ, |t| t.ns);
+            if self.wants(&[Depth]) {
+                out.push(Channel::float("depth.Z", texels.iter().map(|t| t.depth)));
+            }
+            if self.wants(&[Primitive]) {
+                out.push(Channel::uint("primitive.id", texels.iter().map(|t| t.primitive)));
+            }
+            if self.wants(&[Material]) {
+                out.push(Channel::uint("material.id", texels.iter().map(|t| t.material)));
+            }
+        }
+        if self.wants(&[SampleCount]) {
+            let counts = (0..self.crop.pixels()).map(|_| self.samples as f32);
+            out.push(Channel::float("samples.count", counts));
+        }
+        if self.wants(&[Lights]) {
+            out.extend(self.lights(scene));
+        }
+        Ok(out)
+    }
+
+    /// The images that the picture's own samples make: `rendered` with techniques of up to `edges` edges, and variance,
+    /// as far as they are wanted.
+    pub fn of_picture(&self, rendered: &Rendered, edges: u32) -> Vec<Channel> {
+        let mut out = Vec::new();
+        let depth = |edges: u32| {
+            let mut sum = vec![[0.0_f64; 3]; rendered.image.rgb.len()];
+            for (_, image) in rendered.techniques.iter().filter(|(t, _)| t.s + t.t == edges + 1) {
+                add(&mut sum, image);
+            }
+            sum
+        };
+        let narrow = |v: &[[f64; 3]]| v.iter().map(|p| p.map(|x| x as f32)).collect::<Vec<_>>();
+        if self.wants(&[Aov::Direct]) {
+            let (emission, direct) = (depth(1), depth(2));
+            let rest: Vec<[f32; 3]> = (rendered.image.rgb.iter().zip(&emission).zip(&direct))
+                .map(|((all, e), d)| [0, 1, 2].map(|i| (f64::from(all[i]) - e[i] - d[i]).max(0.0) as f32))
+                .collect();
+            out.extend(Channel::triple("emission", RGB, &narrow(&emission)));
+            out.extend(Channel::triple("direct", RGB, &narrow(&direct)));
+            out.extend(Channel::triple("indirect", RGB, &rest));
+        }
+        if self.wants(&[Aov::PerDepth]) {
+            for n in 1..=edges {
+                out.extend(Channel::triple(&format!("depth{n}"), RGB, &narrow(&depth(n))));
+            }
+        }
+        if let (true, Some(variance)) = (self.wants(&[Aov::Variance]), &rendered.variance) {
+            out.extend(Channel::triple("variance", RGB, &variance.rgb));
+        }
+        out
+    }
+
+    /// The mean over a pixel's camera rays, those of the picture, of what they meet first.
+    fn texel<A: Accel>(&self, scene: &Scene<A>, pixel: [u32; 2]) -> Texel {
+        let [width, _] = scene.camera.resolution();
+        let key = pixel[1] * width + pixel[0];
+        let count = self.samples.clamp(1, MOST_RAYS);
+        let (mut albedo, mut ng, mut ns) = (Rgb::ZERO, Vec3::ZERO, Vec3::ZERO);
+        let (mut depth, mut hits) = (0.0_f64, 0_u32);
+        for index in 0..count {
+            let mut sampler = Sampler::new(self.settings.sampler, self.settings.seed, key, Stream::Camera, index);
+            let ray = camera_ray(&scene.camera, pixel, &mut sampler).ray;
+            let Some(arrival) = scene.arrive(ray, &mut 0) else { continue };
+            let at = &arrival.at;
+            hits += 1;
+            ng += at.ng;
+            ns += at.ns;
+            depth += f64::from((at.p() - ray.o).dot(scene.camera.forward()));
+            sampler.set_dimension(dimensions::DIRECTION);
+            let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
+            // The mean of a sample's weight is the albedo, whatever the model.
+            if let Some(s) = arrival.surface.bsdf.sample(at, -ray.d, lobe, u, Transport::Radiance) {
+                albedo += s.weight / s.eta_scale;
+            }
+        }
+        let center = scene.camera.generate_ray(pixel, [0.5; 2], [0.5; 2]).ray;
+        let triangles = scene.geometry.triangles.len() as u32;
+        let primitive = scene.accel.intersect(&center).map_or(0, |hit| match hit.geometry {
+            crate::geometry::GeometryKind::Triangle => hit.primitive + 1,
+            crate::geometry::GeometryKind::Quadric => triangles + hit.primitive + 1,
+        });
+        let surface = scene.arrive(center, &mut 0).map(|arrival| arrival.at.surface as usize);
+        Texel {
+            albedo: (albedo / count as f32).to_array(),
+            ng: ng.normalize_or_zero().to_array(),
+            ns: ns.normalize_or_zero().to_array(),
+            depth: if hits > 0 { (depth / f64::from(hits) / self.scale) as f32 } else { f32::INFINITY },
+            primitive,
+            material: surface.and_then(|s| self.materials.get(s)).map_or(0, |m| m + 1),
+        }
+    }
+
+    /// Where the delta points are seen, as their user geometry answers: a ray aimed at each.
+    fn lights<A: Accel>(&self, scene: &Scene<A>) -> [Channel; 2] {
+        let crop = self.crop;
+        let mut ids = vec![0; crop.pixels() as usize];
+        let mut visible = vec![0.0; ids.len()];
+        let mut nearest = vec![f32::INFINITY; ids.len()];
+        for point in &scene.geometry.delta_points {
+            let Some(lens) = scene.camera.sample_lens(point.position, &LensNumbers::IDLE) else { continue };
+            let aimed = Ray::segment(lens.p, point.position);
+            let Some(hit) = scene.accel.intersect_delta(&aimed) else { continue };
+            let distance = (point.position - lens.p).length();
+            let [x, y] = lens.pixel;
+            if !crop.contains(lens.pixel) {
+                continue;
+            }
+            let i = (y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize;
+            if distance < nearest[i] {
+                nearest[i] = distance;
+                ids[i] = hit.point + 1;
+                visible[i] = f32::from(u8::from(!scene.accel.occluded(&aimed)));
+            }
+        }
+        [Channel::uint("lights.id", ids), Channel::float("lights.visible", visible)]
+    }
+}
+
+fn add(sum: &mut [[f64; 3]], image: &Image) {
+    for (s, p) in sum.iter_mut().zip(&image.rgb) {
+        for (s, x) in s.iter_mut().zip(p) {
+            *s += f64::from(*x);
+        }
+    }
+}
