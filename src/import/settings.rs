@@ -60,7 +60,7 @@ impl<'a> Context<'a> {
         if let name @ ("\"normals\"" | "\"ao\"") = node.text {
             let aov = if name == "\"ao\"" { "depth" } else { "shading normal" };
             let message = format!(
-                "{name} is no integrator here: auxiliary images (AOVs), such as the {aov}, come beside the picture; \
+                "{name} is no integrator here: auxiliary images (AOVs), such as the {aov}, come beside the picture (--aovs); \
                  allowed: {}",
                 super::context::list(INTEGRATORS)
             );

@@ -161,7 +161,7 @@ fn integrator_and_sampler() {
             (
                 r#""integrator": {"type": «"normals"}"#,
                 &format!(
-                    "/integrator/type: \"normals\" is no integrator here: auxiliary images (AOVs), such as the shading normal, come beside the picture; allowed: {INTEGRATORS}"
+                    "/integrator/type: \"normals\" is no integrator here: auxiliary images (AOVs), such as the shading normal, come beside the picture (--aovs); allowed: {INTEGRATORS}"
                 ),
             ),
             (
