@@ -147,12 +147,16 @@ impl Camera {
     fn posed(to_render: &DAffine3, width: u32, height: u32) -> (Self, [f64; 3]) {
         let m = to_render.matrix3;
         let (right, up, forward) = (m * DVec3::X, m * DVec3::Y, m * -DVec3::Z);
-        let scales @ [sx, sy, sz] = [right.length(), up.length(), forward.length()];
+        let scales @ [_, _, sz] = [right.length(), up.length(), forward.length()];
+        // At right angles to the last bit, which a matrix written with few digits is not: directions are put together
+        // from these axes and taken apart by dot products.
+        let forward = forward / sz;
+        let axis = (right - forward * right.dot(forward)).normalize();
         let camera = Self {
             position: to_render.translation.as_vec3a(),
-            right: (right / sx).as_vec3a(),
-            up: (up / sy).as_vec3a(),
-            forward: (forward / sz).as_vec3a(),
+            right: axis.as_vec3a(),
+            up: (up - forward * up.dot(forward) - axis * up.dot(axis)).normalize().as_vec3a(),
+            forward: forward.as_vec3a(),
             half_width: 1.0,
             half_height: 1.0,
             width,

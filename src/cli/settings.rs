@@ -66,7 +66,9 @@ pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure
         IntegratorKind::Light => Integrator::Light,
     };
     check_subpaths(integrator, args)?;
-    let light_paths = args.light_paths.unwrap_or(1);
+    // What is not done is told as 0, in the metadata too.
+    let (light_paths, connections) = usual_subpaths(integrator);
+    let light_paths = args.light_paths.unwrap_or(light_paths);
     let settings = Settings {
         integrator,
         max_bounces: desc.integrator.max_bounces,
@@ -74,7 +76,7 @@ pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure
         roulette_after: args.roulette_after,
         heuristic: desc.integrator.heuristic,
         light_paths,
-        connections: args.connections.unwrap_or(1).min(light_paths),
+        connections: args.connections.unwrap_or(connections).min(light_paths),
         sampler: desc.sampler.kind,
         seed: desc.sampler.seed,
         weighted: !args.unweighted,
@@ -83,6 +85,15 @@ pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure
     match settings.only {
         Some(t) => check_technique(t, &settings).map(|()| settings),
         None => Ok(settings),
+    }
+}
+
+/// Light subpaths per sample, and how many of them are connected, unless told otherwise.
+fn usual_subpaths(integrator: Integrator) -> (u32, u32) {
+    match integrator {
+        Integrator::Path => (0, 0),
+        Integrator::Light => (1, 0),
+        Integrator::Bdpt => (1, 1),
     }
 }
 
@@ -202,7 +213,7 @@ pub fn departures(settings: &Settings) -> Vec<String> {
     if settings.max_bounces == 0 {
         parts.push("emitted light only".to_owned());
     }
-    if (light_paths, connections) != (1, 1) {
+    if (light_paths, connections) != usual_subpaths(integrator) {
         let paths = match light_paths {
             0 => "no light subpaths".to_owned(),
             n => super::count(n as usize, "light subpath per sample", "light subpaths per sample"),

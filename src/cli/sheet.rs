@@ -63,7 +63,7 @@ impl Layout {
         let columns = techniques.keys().map(|t| t.s).max()? + 1;
         let cell = (ALL_CELLS / columns).clamp(CELL / 5, CELL);
         let step = any.width.max(any.height).div_ceil(cell).max(1);
-        let tile = [any.width, any.height].map(|n| (n / step).max(1));
+        let tile = [any.width, any.height].map(|n| n.div_ceil(step));
         let label = techniques.keys().map(|t| text_width(&tile_label(*t))).max()?;
         let pitch = [tile[0].max(label) + GAP, (TEXT_HEIGHT + GAP / 2 + tile[1]).max(2 * TEXT_HEIGHT + GAP) + GAP];
         let margin = GAP + text_width(&row_label(edges[1])).max(text_width(&factor_label(1 << 16))) + 2 * GAP;
@@ -297,7 +297,7 @@ mod tests {
         image.rgb[0] = [0.12 + 49.0 * 0.12; 3];
         let techniques = BTreeMap::from([(Technique { s: 1, t: 2 }, image)]);
         let layout = Layout::new(&techniques).unwrap();
-        assert_eq!((layout.step, layout.tile), (7, [142, 71]));
+        assert_eq!((layout.step, layout.tile), (7, [143, 72]));
         let picture = sheet(&techniques, 0.0).unwrap();
         assert_eq!(picture.rows, [(2, 2)]);
         let [x0, y0] = layout.place(Technique { s: 1, t: 2 });
