@@ -134,7 +134,9 @@ fn models_of_reflection() {
         ]}"#,
     )
     .unwrap();
-    let value = Param::Value;
+    fn value<T>(x: T) -> Param<T> {
+        Param::Value(x)
+    }
     let conductor = |fresnel, roughness: [f64; 2], facets, separable_masking, two_sided| MaterialKind::Conductor {
         fresnel,
         roughness: roughness.map(Param::Value),

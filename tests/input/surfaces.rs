@@ -27,7 +27,7 @@ fn materials() {
             ),
             (
                 r#""type": "conductor", "albedo": 1, "roughness": «[0.1]"#,
-                "/materials/0/roughness: expected an array of 2 numbers, or one number for all, found an array of length 1",
+                "/materials/0/roughness: expected an array of 2 numbers, or one number for all, found an array of 1",
             ),
             (
                 r#""type": "conductor", "albedo": 1, "fresnel": «"exact""#,
