@@ -11,14 +11,15 @@ use std::path::{Path, PathBuf};
 
 /// A module imports from those before it; those in braces are peers.
 const ORDER: &str =
-    "math, pdf → sampling → geometry → {accel, bsdf, light, camera, film} → scene → integrator → render → cli";
+    "math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → cli";
 
 /// Modules beside the order, and the only ones they import from. `scene::desc` is counted apart from `scene`: it is
 /// plain data, with `sampling`'s own enum for the sampler among it.
-const BESIDE: [(&str, &[&str]); 4] = [
+const BESIDE: [(&str, &[&str]); 5] = [
     ("scene::desc", &["math", "sampling"]),
-    ("import", &["math", "scene::desc"]),
-    ("output", &["film"]),
+    ("decode", &[]),
+    ("import", &["math", "scene::desc", "decode"]),
+    ("output", &["film", "decode"]),
     ("compare", &["film"]),
 ];
 
@@ -30,8 +31,8 @@ const KEPT: [(&str, &[&str]); 11] = [
     ("std::env::var_os", &["cli"]),
     ("std::io::IsTerminal", &["cli"]),
     ("std::process", &["cli", "main", "output"]), // `output` numbers its temporary files by the process.
-    ("std::fs", &["cli", "import", "output"]),
-    ("std::io", &["cli", "import", "output"]),
+    ("std::fs", &["cli", "decode", "import", "output"]),
+    ("std::io", &["cli", "decode", "import", "output"]),
     ("std::time", &["cli", "render"]),
     ("std::thread", &["cli", "render"]),
     ("rayon", &["render"]),

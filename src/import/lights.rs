@@ -5,7 +5,7 @@ use super::json::Node;
 use super::materials::Materials;
 use super::value::EMISSION;
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::scene::desc::{MaterialDesc, MaterialKind, ShapeDesc, SurfaceDesc};
+use crate::scene::desc::{FinishDesc, MaterialDesc, MaterialKind, Param, ShapeDesc, SurfaceDesc};
 
 /// The types that are built.
 const SUPPORTED: &[&str] = &["point", "spot"];
@@ -29,10 +29,10 @@ impl<'a> Context<'a> {
         for node in nodes.unwrap_or_default() {
             if let Some((kind, transform)) = self.light(&node) {
                 let at = self.place(&node);
-                let material = MaterialDesc { name: None, kind, emit: [0.0; 3], at: at.clone() };
+                let material = MaterialDesc { name: None, kind, emit: Param::Value([0.0; 3]), at: at.clone() };
                 let material = materials.push(Some(material));
                 let shape = ShapeDesc::DeltaPoint;
-                surfaces.push(SurfaceDesc { shape, transform, material, flip_normals: false, at });
+                surfaces.push(SurfaceDesc { shape, transform, material, flip_normals: false, finish: FinishDesc::default(), at });
             }
         }
     }

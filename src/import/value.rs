@@ -131,13 +131,13 @@ impl<'a> Context<'a> {
         Some(values.map(Option::unwrap_or_default))
     }
 
-    /// A colour; textures are not supported yet.
+    /// A colour where no texture can stand.
     pub fn color(&mut self, node: &Node<'a>, range: Range) -> Option<Color> {
         self.no_texture(node)?;
         self.vector(node, range)
     }
 
-    /// A number where the format allows a texture; textures are not supported yet.
+    /// A number where no texture can stand yet.
     pub fn scalar(&mut self, node: &Node<'a>, range: Range) -> Option<f64> {
         self.no_texture(node)?;
         self.number(node, range)
@@ -145,7 +145,7 @@ impl<'a> Context<'a> {
 
     fn no_texture(&mut self, node: &Node<'a>) -> Option<()> {
         if matches!(node.kind(), Kind::Object | Kind::String) {
-            self.error(node, "textures are not supported yet; supported: a number or an array of numbers");
+            self.error(node, "no texture can stand here; allowed: a number or an array of numbers");
             return None;
         }
         Some(())

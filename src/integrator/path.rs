@@ -48,6 +48,7 @@ fn weight(settings: &Settings, p: f64, q: f64) -> f32 {
 pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: PixelSample, recorder: &mut Recorder) {
     let pixel_key = sample.key(scene.camera.resolution());
     let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Camera, sample.index);
+    let mut coins = sampler.coins();
     recorder.begin(sample.pixel, sample.index);
     recorder.rays.camera_paths += 1;
     let Some(choice) = &scene.light_choice else { return };
@@ -62,7 +63,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
     // Vertices including the camera's and the one being arrived at.
     let mut t = 2;
     loop {
-        let Some(arrival) = scene.arrive(ray, &mut recorder.rays.camera) else { return };
+        let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.camera) else { return };
         let at = &arrival.at;
         let wo = -ray.d;
         // s = 0: the path has hit an emitter.
@@ -102,9 +103,9 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
                 let le = light.emitted(&y.point, -wi);
                 let value = if le == Rgb::ZERO { None } else { bsdf.eval(at, wo, wi, Transport::Radiance) };
                 if let Some(value) = value {
-                    let shadow = Ray::segment(at.origin(wi), y.point.segment_end(at.p()));
-                    recorder.rays.shadow += 1;
-                    if !scene.accel.occluded(&shadow) {
+                    let end = y.point.segment_end(at.p());
+                    let visible = scene.visibility(at.origin(wi), end, &mut recorder.rays.shadow);
+                    if visible > 0.0 {
                         let d2 = distance_squared(at.p(), p);
                         let cos = f64::from(y.point.cos(-wi).abs());
                         let pdf_light = (y.pdf * pmf).0 * d2;
@@ -114,7 +115,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
                         } else {
                             weight(settings, pdf_light, f64::from(value.pdf_fwd.0) * cos)
                         };
-                        recorder.add(1, t, beta * value.f * le * ((cos / pdf_light) as f32 * w));
+                        recorder.add(1, t, beta * value.f * le * ((cos / pdf_light) as f32 * w * visible));
                     }
                 }
             }

@@ -11,13 +11,11 @@ use std::path::{Path, PathBuf};
 
 pub use atomic::write_atomically;
 pub use exr::write_exr;
-pub use png::{srgb_decode, srgb_encode, write_png};
+pub use png::write_png;
 pub use read::{format_of_content, read_image};
 
+pub use crate::decode::{MAX_PIXELS, srgb_decode, srgb_encode};
 use crate::film::Image;
-
-/// The largest image that is read or written, in pixels: 3 GB of it in memory.
-pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// Why an image file could not be written or read: what, which file, why, what to do.
 #[derive(Debug, Clone)]

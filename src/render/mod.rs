@@ -265,7 +265,7 @@ impl<'a, A: Accel> Run<'a, A> {
 /// The largest channel of what a light emits: radiance, or intensity.
 fn brightness(light: &Light) -> f32 {
     let emitted: Rgb = match light {
-        Light::Area(l) => l.radiance,
+        Light::Area(l) => l.largest_radiance(),
         Light::Point(l) => l.intensity,
         Light::Spot(l) => l.intensity,
     };

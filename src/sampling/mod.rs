@@ -5,4 +5,4 @@ mod sampler;
 pub mod warp;
 
 pub use alias::AliasTable;
-pub use sampler::{Sampler, SamplerKind, Stream};
+pub use sampler::{Coins, Sampler, SamplerKind, Stream};

@@ -13,8 +13,8 @@ fn materials() {
                 "/materials/0/albedo/2: -0.1 is out of range; allowed: 0 to 1",
             ),
             (
-                r#""type": "lambertian", "albedo": «{"type": "checker"}"#,
-                "/materials/0/albedo: textures are not supported yet; supported: a number or an array of numbers",
+                r#""type": "point light", "emit": «{"type": "checker"}"#,
+                "/materials/0/emit: no texture can stand here; allowed: a number or an array of numbers",
             ),
             (r#""type": "mirror", "albedo": «2"#, "/materials/0/albedo: 2 is out of range; allowed: 0 to 1"),
             (r#""type": "metal", "roughness": «-1"#, "/materials/0/roughness: -1 is out of range; allowed: 0 or above"),
@@ -50,7 +50,7 @@ fn materials() {
             ),
             (
                 r#""type": "mirror", «"opacity": 1"#,
-                "/materials/0/opacity: \"opacity\" is not supported yet; supported here: type, name, albedo, emit",
+                "/materials/0/opacity: unknown key \"opacity\"; allowed: type, name, albedo, emit",
             ),
             // Keys that take nothing but their default are no advice.
             (
@@ -81,12 +81,12 @@ fn materials() {
         r#"{"camera": {}, "materials": [{"name": "m", "type": "mirror"}, {"name": «"m", "type": "null"}]}"#,
         &["/materials/1/name: duplicate material name \"m\"; names must differ"],
     );
-    for later in ["conductor", "plastic", "thin dielectric", "blend", "phong", "blinnphong", "beckmann", "oren-nayar"] {
+    for later in ["conductor", "plastic", "thin dielectric", "phong", "blinnphong", "beckmann", "oren-nayar"] {
         expect_errors(
             &format!(r#"{{"camera": {{}}, "materials": [{{"name": "m", "type": «"{later}", "albedo": 1}}]}}"#),
             &[&format!(
                 "/materials/0/type: material type \"{later}\" is not supported yet; supported: lambertian, mirror, metal, \
-                 dielectric, diffuse light, point light, spot light, null"
+                 dielectric, diffuse light, point light, spot light, null, blend"
             )],
         );
     }
@@ -127,16 +127,8 @@ fn surfaces() {
                 "/surfaces/0/flip_normals: expected true or false, found the string \"yes\"",
             ),
             (
-                r#""type": "quad", «"opacity": 0.5"#,
-                "/surfaces/0/opacity: \"opacity\" is not supported yet; supported here: type, transform, material, flip_normals, size",
-            ),
-            (
-                r#""type": "quad", «"normal_map": "n.png""#,
-                "/surfaces/0/normal_map: \"normal_map\" is not supported yet; supported here: type, transform, material, flip_normals, size",
-            ),
-            (
                 r#""type": "quad", «"radius": 1"#,
-                "/surfaces/0/radius: unknown key \"radius\"; allowed: type, transform, material, flip_normals, size",
+                "/surfaces/0/radius: unknown key \"radius\"; allowed: type, transform, material, flip_normals, size, opacity, normal_map, bump_map",
             ),
         ],
     );
@@ -169,7 +161,7 @@ fn a_mistake_in_the_type_hides_no_other() {
         &[
             &format!("/surfaces/0/type: unknown surface type \"qaud\"; did you mean \"quad\"? allowed: {SURFACES}"),
             "/surfaces/0/size/1: 0 is out of range; allowed: above 0",
-            "/surfaces/0/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, flip_normals, size",
+            "/surfaces/0/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, flip_normals, size, opacity, normal_map, bump_map",
             "/surfaces/0/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
             "/surfaces/0/flip_normals: expected true or false, found the number 1",
             &format!(

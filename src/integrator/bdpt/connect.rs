@@ -10,7 +10,7 @@ use crate::camera::CameraSample;
 use crate::integrator::Recorder;
 use crate::integrator::path::dimensions;
 use crate::light::{Light, LightPoint};
-use crate::math::{Ray, Rgb, distance_squared};
+use crate::math::{Rgb, distance_squared};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 
@@ -93,9 +93,10 @@ impl Bdpt {
         let pdf_direct = (y.pdf * pmf).0;
         let Some(value) = self.evaluate_next_event(scene, light, &y.point, pdf_direct, pmf.0, z) else { return };
         let wi = y.point.p() - z.at.p();
-        recorder.rays.shadow += 1;
-        if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.point.segment_end(z.at.p()))) {
-            recorder.add(1, z.number, value);
+        let end = y.point.segment_end(z.at.p());
+        let visible = scene.visibility(z.at.origin(wi), end, &mut recorder.rays.shadow);
+        if visible > 0.0 {
+            recorder.add(1, z.number, value * visible);
         }
     }
 
@@ -141,9 +142,10 @@ impl Bdpt {
             }
             let Some(value) = self.evaluate_connection(y, z) else { continue };
             let wi = y.at.p() - z.at.p();
-            recorder.rays.connection += 1;
-            if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()))) {
-                recorder.add(y.number, z.number, value);
+            let end = y.at.segment_end(z.at.p());
+            let visible = scene.visibility(z.at.origin(wi), end, &mut recorder.rays.connection);
+            if visible > 0.0 {
+                recorder.add(y.number, z.number, value * visible);
             }
         }
     }
@@ -174,9 +176,10 @@ impl Bdpt {
             return;
         }
         let Some((lens, value)) = self.evaluate_lens(scene, y) else { return };
-        recorder.rays.lens += 1;
-        if !scene.accel.occluded(&Ray::segment(y.at.origin(lens.wi), scene.camera.position())) {
-            recorder.splat(y.number, 1, lens.pixel, value);
+        let eye = scene.camera.position();
+        let visible = scene.visibility(y.at.origin(lens.wi), eye, &mut recorder.rays.lens);
+        if visible > 0.0 {
+            recorder.splat(y.number, 1, lens.pixel, value * visible);
         }
     }
 
@@ -209,9 +212,10 @@ impl Bdpt {
             return;
         }
         let Some((lens, value)) = self.evaluate_light_in_lens(scene, light, y, pdf_position) else { return };
-        recorder.rays.lens += 1;
-        if !scene.accel.occluded(&Ray::segment(y.origin(lens.wi), scene.camera.position())) {
-            recorder.splat(1, 1, lens.pixel, value);
+        let eye = scene.camera.position();
+        let visible = scene.visibility(y.origin(lens.wi), eye, &mut recorder.rays.lens);
+        if visible > 0.0 {
+            recorder.splat(1, 1, lens.pixel, value * visible);
         }
     }
 

@@ -15,6 +15,7 @@ impl Bdpt {
     /// Traces a light subpath, connects its vertices to the camera and keeps those that can be connected to.
     pub(super) fn walk_light<A: Accel>(&mut self, scene: &Scene<A>, mut sampler: Sampler, recorder: &mut Recorder) {
         let Some(choice) = &scene.light_choice else { return };
+        let mut coins = sampler.coins();
         recorder.rays.light_paths += 1;
         let (id, pmf) = choice.sample(sampler.next_f64());
         let light = &scene.lights[id as usize];
@@ -47,7 +48,7 @@ impl Bdpt {
         let mut departure: Option<Departure> = None;
         let mut number = 2;
         while number - 1 <= self.settings.max_bounces {
-            let Some(arrival) = scene.arrive(ray, &mut recorder.rays.light) else { return };
+            let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light) else { return };
             let at = arrival.at;
             let wo = -ray.d;
             let cos_in = f64::from(wo.dot(at.ng).abs());
@@ -91,6 +92,7 @@ impl Bdpt {
         if !scene.needs.light {
             return;
         }
+        let mut coins = sampler.coins();
         let primary = scene.camera.generate_ray(pixel, sampler.next_2d());
         let mut ray = primary.ray;
         let mut from = ray.o;
@@ -99,7 +101,7 @@ impl Bdpt {
         let mut departure: Option<Departure> = None;
         let mut number = 2;
         loop {
-            let Some(arrival) = scene.arrive(ray, &mut recorder.rays.camera) else { return };
+            let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.camera) else { return };
             let at = arrival.at;
             let wo = -ray.d;
             let cos_in = f64::from(wo.dot(at.ng).abs());

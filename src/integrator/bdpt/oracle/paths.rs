@@ -58,8 +58,9 @@ fn walk(
     longest: usize,
 ) -> Vec<Inner> {
     let mut out = Vec::new();
+    let mut coins = sampler.coins();
     while out.len() < longest {
-        let Some(arrival) = scene.arrive(ray, &mut 0) else { break };
+        let Some(arrival) = scene.arrive(ray, &mut coins, &mut 0) else { break };
         let v = Inner {
             at: arrival.at,
             bsdf: arrival.surface.bsdf,
