@@ -13,5 +13,7 @@ mod delta_lights;
 mod enclosures;
 #[path = "analytic/specular.rs"]
 mod specular;
+#[path = "analytic/textures.rs"]
+mod textures;
 #[path = "analytic/uniform_wall.rs"]
 mod uniform_wall;

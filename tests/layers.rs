@@ -10,8 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A module imports from those before it; those in braces are peers.
-const ORDER: &str =
-    "math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → cli";
+const ORDER: &str = "math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → cli";
 
 /// Modules beside the order, and the only ones they import from. `scene::desc` is counted apart from `scene`: it is
 /// plain data, with `sampling`'s own enum for the sampler among it.

@@ -32,7 +32,14 @@ impl<'a> Context<'a> {
                 let material = MaterialDesc { name: None, kind, emit: Param::Value([0.0; 3]), at: at.clone() };
                 let material = materials.push(Some(material));
                 let shape = ShapeDesc::DeltaPoint;
-                surfaces.push(SurfaceDesc { shape, transform, material, flip_normals: false, finish: FinishDesc::default(), at });
+                surfaces.push(SurfaceDesc {
+                    shape,
+                    transform,
+                    material,
+                    flip_normals: false,
+                    finish: FinishDesc::default(),
+                    at,
+                });
             }
         }
     }

@@ -12,8 +12,7 @@ const SUPPORTED: &[&str] =
     &["lambertian", "mirror", "metal", "dielectric", "diffuse light", "point light", "spot light", "null", "blend"];
 
 /// The types that the format names and that are not built yet.
-const LATER: &[&str] =
-    &["conductor", "plastic", "thin dielectric", "phong", "blinnphong", "beckmann", "oren-nayar"];
+const LATER: &[&str] = &["conductor", "plastic", "thin dielectric", "phong", "blinnphong", "beckmann", "oren-nayar"];
 
 /// Keys of some material.
 const OWN_KEYS: &[&str] = &[

@@ -53,7 +53,8 @@ impl<'a> Context<'a> {
         // What every surface has is checked in one of unknown type, too.
         let transform = self.transform(&object);
         let flip_normals = object.get("flip_normals").map_or(Some(false), |n| self.boolean(n));
-        let finish = if kind == Type::Known("delta point") { Some(FinishDesc::default()) } else { self.surface_finish(&object) };
+        let finish =
+            if kind == Type::Known("delta point") { Some(FinishDesc::default()) } else { self.surface_finish(&object) };
         let material = if kind == Type::Later { object.get("material") } else { self.required(&object, "material") };
         let material = material.and_then(|n| Some((n, self.material_reference(n, materials)?)));
         if let (Type::Known(kind), Some((node, index))) = (kind, material) {

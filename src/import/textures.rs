@@ -18,18 +18,8 @@ const SUPPORTED: &[&str] = &["constant", "checker", "marble", "image"];
 const MAX_NAMES: usize = 20;
 
 /// Keys of every kind of texture.
-const OWN_KEYS: &[&str] = &[
-    "color",
-    "scale",
-    "even",
-    "odd",
-    "veins",
-    "base",
-    "filename",
-    "wrap",
-    "filter",
-    "colorspace",
-];
+const OWN_KEYS: &[&str] =
+    &["color", "scale", "even", "odd", "veins", "base", "filename", "wrap", "filter", "colorspace"];
 
 /// What a value is used for, which decides what an 8-bit image without a `colorspace` is taken for.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -229,7 +219,11 @@ impl<'a> Context<'a> {
         read
     }
 
-    fn read_texels(&mut self, node: &Node<'a>, (path, space): &(PathBuf, ColorSpace)) -> Option<(Arc<Texels>, FileKind)> {
+    fn read_texels(
+        &mut self,
+        node: &Node<'a>,
+        (path, space): &(PathBuf, ColorSpace),
+    ) -> Option<(Arc<Texels>, FileKind)> {
         let file = path.display().to_string();
         let image = match decode::read(path, *space) {
             Ok(image) => image,

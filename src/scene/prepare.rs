@@ -66,7 +66,8 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
 
     let world = ToWorld { factor: 1.0 / scale, offset: center };
     let details = Details::new(textures::build(&desc.textures, world), desc.materials.iter().map(|m| &m.kind), scale);
-    let geometry = Geometry { wants_uv: details.want_uv(), ..Geometry::default() };
+    let maps = desc.surfaces.iter().any(|s| s.finish.normal_map.is_some() || s.finish.bump_map.is_some());
+    let geometry = Geometry { wants_uv: maps || details.want_uv(), ..Geometry::default() };
     let mut builder = Builder { to_render, scale, geometry, details, ..Builder::default() };
     for surface in &desc.surfaces {
         builder.add(desc, surface);
@@ -211,15 +212,20 @@ impl Builder {
             ShapeDesc::Quad { size: [w, h] } => {
                 let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
                 let positions: Vec<DVec3> = corners.iter().map(|[x, y]| DVec3::new(x * w, y * h, 0.0)).collect();
-                let triangles =
-                    self.add_triangles(surface, &to_render, &positions, (&[], &QUAD_UVS), &[[0, 1, 2], [0, 2, 3]], index);
+                let triangles = self.add_triangles(
+                    surface,
+                    &to_render,
+                    &positions,
+                    (&[], &QUAD_UVS),
+                    &[[0, 1, 2], [0, 2, 3]],
+                    index,
+                );
                 self.triangle_light(triangles, emit, index)
             }
             ShapeDesc::Mesh(mesh) => {
                 let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
                 let attributes = (mesh.normals.as_slice(), mesh.uvs.as_slice());
-                let triangles =
-                    self.add_triangles(surface, &to_render, &positions, attributes, &mesh.triangles, index);
+                let triangles = self.add_triangles(surface, &to_render, &positions, attributes, &mesh.triangles, index);
                 self.check_uvs(surface, material.emit, mesh.uvs.is_empty());
                 self.triangle_light(triangles, emit, index)
             }

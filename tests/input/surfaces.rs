@@ -153,7 +153,8 @@ fn surfaces() {
 #[test]
 fn a_mistake_in_the_type_hides_no_other() {
     const SURFACES: &str = "quad, sphere, disk, triangle, mesh, delta point";
-    const MATERIALS: &str = "lambertian, mirror, metal, dielectric, diffuse light, point light, spot light, null";
+    const MATERIALS: &str =
+        "lambertian, mirror, metal, dielectric, diffuse light, point light, spot light, null, blend";
     // What was meant is near: everything is checked.
     expect_errors(
         r#"{"camera": {}, "surfaces": [{"type": «"qaud", "size": [1, «0], «"sise": 1, "transform": «{"scale": 0},
@@ -181,7 +182,7 @@ fn a_mistake_in_the_type_hides_no_other() {
             "/materials/0: \"name\" is missing",
             &format!("/materials/0/type: unknown material type \"velvet\"; allowed: {MATERIALS}"),
             "/materials/0/albedo: 2 is out of range; allowed: 0 to 1",
-            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, ior, transmittance, inner_angle, outer_angle, falloff",
+            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, ior, transmittance, inner_angle, outer_angle, falloff, a, b, amount",
             "/materials/1: \"type\" is missing",
             "/materials/1: \"name\" is missing",
             "/materials/1/emit: -1 is out of range; allowed: 0 to 3.4e38",
@@ -338,12 +339,8 @@ fn what_is_not_supported_yet() {
             ),
             (r#""background": «-1"#, "/background: -1 is out of range; allowed: 0 to 3.4e38"),
             (
-                r#""textures": «[{"name": "t"}]"#,
-                "/textures: textures are not supported yet; supported: numbers and colours",
-            ),
-            (
                 r#""media": [{}], "surfaces": [{"type": "quad", "material": {"type": "mirror"}, «"medium": "fog"}]"#,
-                "/surfaces/0/medium: \"medium\": participating media are not supported; supported here: type, transform, material, flip_normals, size",
+                "/surfaces/0/medium: \"medium\": participating media are not supported; supported here: type, transform, material, flip_normals, size, opacity, normal_map, bump_map",
             ),
         ],
     );
