@@ -29,6 +29,9 @@ enum Use {
     Data,
 }
 
+/// An image that was read, and the format it was in.
+type Loaded = (Arc<Texels>, FileKind);
+
 /// The textures read so far.
 #[derive(Default)]
 pub(super) struct Textures {
@@ -40,7 +43,7 @@ pub(super) struct Textures {
     /// Names in file order, for messages.
     names: Vec<String>,
     /// Images by file and colour space; `None` for one that was reported.
-    images: HashMap<(PathBuf, ColorSpace), Option<(Arc<Texels>, FileKind)>>,
+    images: HashMap<(PathBuf, ColorSpace), Option<Loaded>>,
 }
 
 impl Textures {
@@ -208,7 +211,7 @@ impl<'a> Context<'a> {
     }
 
     /// The texels of a file; each is read once.
-    fn texels(&mut self, node: &Node<'a>, name: &str, space: ColorSpace) -> Option<(Arc<Texels>, FileKind)> {
+    fn texels(&mut self, node: &Node<'a>, name: &str, space: ColorSpace) -> Option<Loaded> {
         let path = self.base_dir.join(name);
         let key = (path, space);
         if let Some(known) = self.textures.images.get(&key) {
@@ -219,11 +222,7 @@ impl<'a> Context<'a> {
         read
     }
 
-    fn read_texels(
-        &mut self,
-        node: &Node<'a>,
-        (path, space): &(PathBuf, ColorSpace),
-    ) -> Option<(Arc<Texels>, FileKind)> {
+    fn read_texels(&mut self, node: &Node<'a>, (path, space): &(PathBuf, ColorSpace)) -> Option<Loaded> {
         let file = path.display().to_string();
         let image = match decode::read(path, *space) {
             Ok(image) => image,

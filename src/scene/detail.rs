@@ -178,7 +178,7 @@ impl Details {
     }
 
     /// The normal of the surface displaced along `ns` by a texture: n − ∇_s d, the gradient along the surface from
-    /// differences along u and v [Mikkelsen10, (4) and (5)]. Where texture coordinates give no tangents, along two others.
+    /// differences along u and v [Mikkelsen10]. Where texture coordinates give no tangents, along two others.
     fn bumped_normal(&self, texture: &Texture, at: &SurfacePoint, tangents: Option<&Tangents>) -> Vec3 {
         let n = at.ns;
         if tangents.is_none() && texture.needs_uv() {
