@@ -19,6 +19,8 @@ mod meshes;
 mod settings;
 #[path = "input/surfaces.rs"]
 mod surfaces;
+#[path = "input/textures.rs"]
+mod textures;
 
 fn read(text: &str) -> Result<SceneDesc, String> {
     scene_from_str(text, "s.json", Path::new("")).map_err(|e| e.to_string())

@@ -5,7 +5,9 @@ use super::json::Node;
 use super::materials::Materials;
 use super::value::EMISSION;
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::scene::desc::{InfiniteLightDesc, InfiniteLightKind, MaterialDesc, MaterialKind, ShapeDesc, SurfaceDesc};
+use crate::scene::desc::{
+    FinishDesc, InfiniteLightDesc, InfiniteLightKind, MaterialDesc, MaterialKind, Param, ShapeDesc, SurfaceDesc,
+};
 
 /// The types that are built.
 const SUPPORTED: &[&str] = &["point", "spot", "directional", "constant"];
@@ -59,11 +61,11 @@ impl<'a> Context<'a> {
             let at = self.place(&node);
             match self.light(&node) {
                 Some(Read::Delta(kind, transform)) => {
-                    let (emit, emit_two_sided) = ([0.0; 3], false);
+                    let (emit, emit_two_sided) = (Param::Value([0.0; 3]), false);
                     let material = MaterialDesc { name: None, kind, emit, emit_two_sided, at: at.clone() };
                     let material = materials.push(Some(material));
-                    let shape = ShapeDesc::DeltaPoint;
-                    surfaces.push(SurfaceDesc { shape, transform, material, flip_normals: false, at });
+                    let (shape, finish) = (ShapeDesc::DeltaPoint, FinishDesc::default());
+                    surfaces.push(SurfaceDesc { shape, transform, material, flip_normals: false, finish, at });
                 }
                 Some(Read::Infinite(kind)) => infinite.push(InfiniteLightDesc { kind, at }),
                 None => {}

@@ -148,7 +148,7 @@ impl<'a> Context<'a> {
         (!is_black(color)).then_some(light)
     }
 
-    /// What is read and ignored, with a note, and what must be empty.
+    /// What is read and ignored, with a note.
     pub fn ignored(&mut self, scene: &Object<'a>) {
         if let Some(node) = scene.get("accelerator") {
             self.note(node, "the accelerator is ignored: it is chosen on the command line");
@@ -156,11 +156,6 @@ impl<'a> Context<'a> {
         if let Some(node) = scene.get("media") {
             if self.array(node, "an array").is_some_and(|media| !media.is_empty()) {
                 self.note(node, "the media are ignored: nothing may use them (participating media are not supported)");
-            }
-        }
-        if let Some(node) = scene.get("textures") {
-            if self.array(node, "an array").is_some_and(|textures| !textures.is_empty()) {
-                self.error(node, "textures are not supported yet; supported: numbers and colours");
             }
         }
     }

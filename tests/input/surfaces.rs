@@ -3,7 +3,7 @@
 use super::{each, expect_errors, read};
 
 const MATERIALS: &str = "lambertian, mirror, metal, dielectric, diffuse light, point light, spot light, null, conductor, \
-                         plastic, thin dielectric, phong, blinnphong, beckmann, oren-nayar";
+                         plastic, thin dielectric, phong, blinnphong, beckmann, oren-nayar, blend";
 
 #[test]
 fn materials() {
@@ -16,8 +16,8 @@ fn materials() {
                 "/materials/0/albedo/2: -0.1 is out of range; allowed: 0 to 1",
             ),
             (
-                r#""type": "lambertian", "albedo": «{"type": "checker"}"#,
-                "/materials/0/albedo: textures are not supported yet; supported: a number or an array of numbers",
+                r#""type": "point light", "emit": «{"type": "checker"}"#,
+                "/materials/0/emit: no texture can stand here; allowed: a number or an array of numbers",
             ),
             (r#""type": "mirror", "albedo": «2"#, "/materials/0/albedo: 2 is out of range; allowed: 0 to 1"),
             (r#""type": "metal", "roughness": «-1"#, "/materials/0/roughness: -1 is out of range; allowed: 0 to 1"),
@@ -103,7 +103,7 @@ fn materials() {
             ),
             (
                 r#""type": "mirror", «"opacity": 1"#,
-                "/materials/0/opacity: \"opacity\" is not supported yet; supported here: type, name, albedo, emit",
+                "/materials/0/opacity: unknown key \"opacity\"; allowed: type, name, albedo, emit",
             ),
             // Keys that take nothing but their default are no advice.
             (
@@ -148,12 +148,6 @@ fn materials() {
             &[&format!("/materials/0: {missing} is missing")],
         );
     }
-    for later in ["blend"] {
-        expect_errors(
-            &format!(r#"{{"camera": {{}}, "materials": [{{"name": "m", "type": «"{later}", "albedo": 1}}]}}"#),
-            &[&format!("/materials/0/type: material type \"{later}\" is not supported yet; supported: {MATERIALS}")],
-        );
-    }
 }
 
 #[test]
@@ -191,16 +185,8 @@ fn surfaces() {
                 "/surfaces/0/flip_normals: expected true or false, found the string \"yes\"",
             ),
             (
-                r#""type": "quad", «"opacity": 0.5"#,
-                "/surfaces/0/opacity: \"opacity\" is not supported yet; supported here: type, transform, material, flip_normals, size",
-            ),
-            (
-                r#""type": "quad", «"normal_map": "n.png""#,
-                "/surfaces/0/normal_map: \"normal_map\" is not supported yet; supported here: type, transform, material, flip_normals, size",
-            ),
-            (
                 r#""type": "quad", «"radius": 1"#,
-                "/surfaces/0/radius: unknown key \"radius\"; allowed: type, transform, material, flip_normals, size",
+                "/surfaces/0/radius: unknown key \"radius\"; allowed: type, transform, material, flip_normals, size, opacity, normal_map, bump_map",
             ),
         ],
     );
@@ -232,7 +218,7 @@ fn a_mistake_in_the_type_hides_no_other() {
         &[
             &format!("/surfaces/0/type: unknown surface type \"qaud\"; did you mean \"quad\"? allowed: {SURFACES}"),
             "/surfaces/0/size/1: 0 is out of range; allowed: above 0",
-            "/surfaces/0/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, flip_normals, size",
+            "/surfaces/0/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, flip_normals, size, opacity, normal_map, bump_map",
             "/surfaces/0/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
             "/surfaces/0/flip_normals: expected true or false, found the number 1",
             &format!(
@@ -252,7 +238,7 @@ fn a_mistake_in_the_type_hides_no_other() {
             "/materials/0: \"name\" is missing",
             &format!("/materials/0/type: unknown material type \"velvet\"; allowed: {MATERIALS}"),
             "/materials/0/albedo: 2 is out of range; allowed: 0 to 1",
-            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, ior, transmittance, inner_angle, outer_angle, falloff, roughness, eta, k, fresnel, masking, nonlinear, exponent, sigma",
+            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, emit_two_sided, ior, transmittance, inner_angle, outer_angle, falloff, a, b, amount, roughness, eta, k, fresnel, masking, nonlinear, exponent, sigma",
             "/materials/1: \"type\" is missing",
             "/materials/1: \"name\" is missing",
             "/materials/1/emit: -1 is out of range; allowed: 0 to 3.4e38",
@@ -409,12 +395,8 @@ fn what_is_not_supported_yet() {
             ),
             (r#""background": «-1"#, "/background: -1 is out of range; allowed: 0 to 3.4e38"),
             (
-                r#""textures": «[{"name": "t"}]"#,
-                "/textures: textures are not supported yet; supported: numbers and colours",
-            ),
-            (
                 r#""media": [{}], "surfaces": [{"type": "quad", "material": {"type": "mirror"}, «"medium": "fog"}]"#,
-                "/surfaces/0/medium: \"medium\": participating media are not supported; supported here: type, transform, material, flip_normals, size",
+                "/surfaces/0/medium: \"medium\": participating media are not supported; supported here: type, transform, material, flip_normals, size, opacity, normal_map, bump_map",
             ),
         ],
     );
