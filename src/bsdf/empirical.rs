@@ -19,7 +19,7 @@ pub enum Shape {
         /// Factor of the retroreflecting term.
         b: f32,
     },
-    /// `(n + 2)/(2π) cosⁿ` of the angle to the mirror direction [Lafortune94 (4)].
+    /// `(n + 2)/(2π) cosⁿ` of the angle to the mirror direction [Lafortune94].
     Phong {
         /// n.
         exponent: f32,

@@ -44,7 +44,7 @@ fn lanes(c: Rgb, f: impl Fn(f32) -> f32) -> Rgb {
     Rgb::new(f(c.x), f(c.y), f(c.z))
 }
 
-/// Schlick's approximation from the reflectance at normal incidence [Schlick94 (15)].
+/// Schlick's approximation from the reflectance at normal incidence [Schlick94].
 #[inline]
 pub fn fresnel_schlick(cos_o: f32, normal: Rgb) -> Rgb {
     let c = (1.0 - cos_o).clamp(0.0, 1.0);
@@ -53,7 +53,7 @@ pub fn fresnel_schlick(cos_o: f32, normal: Rgb) -> Rgb {
 }
 
 /// Hemispherical reflectance `∫ F(θ) 2 cosθ sinθ dθ` of a dielectric for diffuse light from outside, `eta` ≥ 1 the
-/// index inside over that outside, in closed form [Duntley42 (24)].
+/// index inside over that outside, in closed form [Duntley42].
 ///
 /// From inside it is `1 − (1 − F̄)/η²`, since what passes is the same from both sides [Veach97 (5.13)].
 pub fn hemispherical_dielectric(eta: f64) -> f64 {

@@ -7,7 +7,7 @@ use crate::geometry::SurfacePoint;
 use crate::math::{Frame, Vec3};
 
 /// The shading frame, turned to the tangent and mirrored to the side of `wo`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Local {
     frame: Frame,
     /// Whether `wo` is on the side the surface faces.

@@ -100,14 +100,14 @@ impl Distribution {
 }
 
 /// |w| of the direction scaled by the roughness, `√(wz² + αx² wx² + αy² wy²)`: GGX's G1 is `2 wz/(wz + |w|)`
-/// [Heitz14 (72), (86)], finite at every angle.
+/// [Heitz14 (72)], finite at every angle.
 #[inline]
 pub fn stretched(alpha: [f32; 2], w: Vec3) -> f32 {
     let (x, y) = (alpha[0] * w.x, alpha[1] * w.y);
     (w.z * w.z + x * x + y * y).sqrt()
 }
 
-/// Λ of the Beckmann distribution [Heitz14 (68)], with the complementary error function after [Press07, §6.2.2]
+/// Λ of the Beckmann distribution [Heitz14], with the complementary error function after [Press07, §6.2.2]
 /// (relative error 1.2e-7).
 pub(super) fn beckmann_lambda(alpha: [f32; 2], w: Vec3) -> f32 {
     let (x, y) = (alpha[0] * w.x, alpha[1] * w.y);
@@ -128,8 +128,8 @@ pub(super) fn beckmann_lambda(alpha: [f32; 2], w: Vec3) -> f32 {
         0.096_784_18,
         -0.186_288_06,
         0.278_868_07,
-        -1.135_203_98,
-        1.488_515_87,
+        -1.135_204,
+        1.488_515_9,
         -0.822_152_23,
         0.170_872_77,
     ];
@@ -166,7 +166,7 @@ pub fn reflection(
                     Masking::HeightCorrelated => 0.5 / (wo.z * si + wi.z * so),
                     Masking::Separable => 1.0 / ((wo.z + so) * (wi.z + si)),
                 };
-            // Visible normals: G1(wo) D (wo·m)/wo.z · dωm/dωi, dωm/dωi = 1/(4 wo·m) [Heitz14 (3)], [Walter07 (14)].
+            // Visible normals: G1(wo) D (wo·m)/wo.z · dωm/dωi, dωm/dωi = 1/(4 wo·m) [Heitz14], [Walter07 (14)].
             (value, 0.5 / (wo.z + so), 0.5 / (wi.z + si))
         }
         Distribution::Beckmann => {

@@ -36,7 +36,7 @@ pub(super) const ROUGHNESS: Range = Range { text: "0 to 1", holds: |x| (0.0..=1.
 /// Exponents of lobes: beyond it they are narrower than 32-bit directions.
 pub(super) const EXPONENT: Range = Range { text: "0 to 1000000", holds: |x| (0.0..=1e6).contains(&x) };
 /// Standard deviations of slope angles.
-pub(super) const SLOPE: Range = Range { text: "0 to 1.5708 radians", holds: |x| (0.0..=1.5708).contains(&x) };
+pub(super) const SLOPE: Range = Range { text: "0 to 1.5 radians", holds: |x| (0.0..=1.5).contains(&x) };
 /// Radiance and radiant intensity: rendering computes in 32-bit floats.
 pub(super) const EMISSION: Range = Range { text: "0 to 3.4e38", holds: |x| x >= 0.0 && (x as f32).is_finite() };
 /// Half-angles of a spot's cone.

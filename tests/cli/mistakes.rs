@@ -125,7 +125,8 @@ const NAMES: &[Scene] = &[
         text: r#"{"camera": {}, "materials": [{"name": "m", "type": «"lambertain", "albedo": 1}]}"#,
         messages: &[
             "/materials/0/type: unknown material type \"lambertain\"; did you mean \"lambertian\"? allowed: lambertian, \
-             mirror, metal, dielectric, diffuse light, point light, spot light, null, blend",
+             mirror, metal, dielectric, diffuse light, point light, spot light, null, conductor, plastic, thin dielectric, phong, \
+             blinnphong, beckmann, oren-nayar, blend",
         ],
     },
     Scene {

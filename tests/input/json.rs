@@ -180,7 +180,8 @@ fn all_mistakes_of_a_file_are_reported_in_its_order() {
              flip_normals, size, opacity, normal_map, bump_map",
             "/materials/0/ior: 0 is out of range; allowed: 0.001 to 1000",
             "/materials/1/type: unknown material type \"lambertain\"; did you mean \"lambertian\"? allowed: lambertian, \
-             mirror, metal, dielectric, diffuse light, point light, spot light, null, blend",
+             mirror, metal, dielectric, diffuse light, point light, spot light, null, conductor, plastic, thin dielectric, phong, \
+             blinnphong, beckmann, oren-nayar, blend",
             "/camera/vfov: 180 is out of range; allowed: between 0 and 180 degrees",
             "/camera/resolution/0: 0 is out of range; allowed: whole numbers from 1 to 65536",
             "/camera/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",

@@ -18,7 +18,7 @@ fn d(distribution: Distribution, [ax, ay]: [f64; 2], m: DVec3) -> f64 {
     }
 }
 
-/// Λ(w) [Heitz14 (68), (72)].
+/// Λ(w) [Heitz14].
 fn lambda(distribution: Distribution, [ax, ay]: [f64; 2], w: DVec3) -> f64 {
     let tan = ((ax * w.x).powi(2) + (ay * w.y).powi(2)).sqrt() / w.z.abs();
     match distribution {
