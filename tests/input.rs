@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 use twinlight::import::scene_from_str;
 use twinlight::scene::desc::{MeshDesc, SceneDesc, ShapeDesc};
 
+#[path = "input/environments.rs"]
+mod environments;
 #[path = "input/good.rs"]
 mod good;
 #[path = "input/json.rs"]

@@ -1,6 +1,6 @@
 //! A fingerprint of a scene's content, so that an image can be traced back to what made it.
 
-use crate::scene::desc::{SceneDesc, ShapeDesc, TextureDesc};
+use crate::scene::desc::{InfiniteLightKind, SceneDesc, ShapeDesc, TextureDesc};
 
 /// Two lanes of multiply-and-rotate over 64-bit words. Not cryptographic: it tells versions of a scene apart, it does
 /// not defend against anyone.
@@ -50,6 +50,12 @@ pub fn fingerprint(text: &str, scene: &SceneDesc) -> u128 {
         if let TextureDesc::Image { texels, .. } = texture {
             f.word(u64::from(texels.width));
             f.floats(&texels.rgb);
+        }
+    }
+    for light in &scene.infinite_lights {
+        if let InfiniteLightKind::Image { size, texels, .. } = &light.kind {
+            f.word(size[0] as u64);
+            f.floats(texels);
         }
     }
     let [mut a, mut b] = f.0;

@@ -1,11 +1,8 @@
-//! Integrator, sampler, sample count, background, and the parts of dirt's files that are read and ignored.
+//! Integrator, sampler, sample count, and the parts of dirt's files that are read and ignored.
 
-use super::context::{Context, Keys, Object, Type};
+use super::context::{Context, Keys, Object};
 use super::json::{Kind, Node};
-use super::value::EMISSION;
-use crate::scene::desc::{
-    Heuristic, InfiniteLightDesc, InfiniteLightKind, IntegratorDesc, IntegratorKind, SamplerDesc, SamplerKind, is_black,
-};
+use crate::scene::desc::{Heuristic, IntegratorDesc, IntegratorKind, SamplerDesc, SamplerKind};
 
 /// Samples per pixel when the file names none.
 const DEFAULT_SAMPLES: u32 = 64;
@@ -126,26 +123,6 @@ impl<'a> Context<'a> {
 
     fn small_integer(&mut self, node: &Node<'a>, least: u64, most: u64) -> Option<u32> {
         self.integer(node, least, most).and_then(|x| u32::try_from(x).ok())
-    }
-
-    /// The background: the same radiance from everywhere; `None` when it is black.
-    pub fn background(&mut self, scene: &Object<'a>) -> Option<InfiniteLightDesc> {
-        let node = scene.get("background")?;
-        let color = if node.kind() == Kind::Object {
-            let object = self.object(node, "an object")?;
-            let kind = self.type_of(&object, "background type", &["constant"], &["image"]);
-            if kind == Type::Later {
-                return None;
-            }
-            self.check_keys(&object, &Keys::only(&["type", "color"]));
-            self.required(&object, "type");
-            let color = self.required(&object, "color")?;
-            self.vector(color, EMISSION)
-        } else {
-            self.vector(node, EMISSION)
-        }?;
-        let light = InfiniteLightDesc { kind: InfiniteLightKind::Constant { radiance: color }, at: self.place(node) };
-        (!is_black(color)).then_some(light)
     }
 
     /// What is read and ignored, with a note.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::context::{Context, Keys, Object, Type, did_you_mean, list, nearest};
 use super::json::{Kind, Node, excerpt, printable};
 use super::place_in_file;
-use super::value::{ANY, POSITIVE, Range};
+use super::value::{ANY, EMISSION, POSITIVE, Range};
 use crate::decode::{self, ColorSpace, FileKind};
 use crate::scene::desc::{Color, Filter, Param, Texels, TextureDesc, Wrap};
 
@@ -208,6 +208,12 @@ impl<'a> Context<'a> {
         let (texels, kind) = self.texels(node?, &name?, space)?;
         let taken_for_srgb = space == ColorSpace::OfFile && kind == FileKind::Png;
         Some((TextureDesc::Image { texels, scale: scale?, wrap: wrap?, filter: filter? }, taken_for_srgb))
+    }
+
+    /// The texels of an image of radiance, which times a scale still are some.
+    pub fn radiance_image(&mut self, node: &Node<'a>, name: &str, scale: f64) -> Option<Arc<Texels>> {
+        let (texels, _) = self.texels(node, name, ColorSpace::OfFile)?;
+        self.check_texels(node, &texels, scale, EMISSION).then_some(texels)
     }
 
     /// The texels of a file; each is read once.

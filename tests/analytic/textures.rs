@@ -4,10 +4,13 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use serde_json::{Value, json};
+use twinlight::bsdf::Bsdf;
 use twinlight::film::Image;
+use twinlight::geometry::SurfacePoint;
 use twinlight::integrator::Integrator;
-use twinlight::math::{DAffine3, DVec3};
+use twinlight::math::{DAffine3, DVec3, Frame};
 use twinlight::output::{Metadata, write_image};
+use twinlight::sampling::Coins;
 
 use crate::common::{
     Bounds, Budget, Random, View, assert_closed, diffuse, expect_colored, facing, images, matrix, point, quad, scene,
@@ -232,5 +235,64 @@ fn a_bumped_ramp_shades_as_the_tilted_plane_would() {
         // Differences of 32-bit texels over half a texel hold four digits.
         let bounds = Bounds { rounding: 1e-4, ..Bounds::new([2, 2], 0.03, 0.015) };
         assert_closed(&format!("bumped ramp at scale {scale}, {integrator:?}"), &images, &expected, bounds);
+    }
+}
+
+/// What a surface turns out to be where the camera looks.
+fn model(surface: Value) -> (Bsdf, SurfacePoint) {
+    let view = View { from: DVec3::new(0.1, 0.2, 2.0), at: DVec3::new(0.1, 0.2, 0.0), ..inside() };
+    let scene = scene(&scene_json(view.json(), vec![surface], vec![point_light(DVec3::Z * 4.0)]));
+    let ray = scene.camera.generate_ray([0, 0], [0.5; 2], [0.5; 2]).ray;
+    let arrival = scene.arrive(ray, &mut Coins::new(0), &mut 0).expect("a surface");
+    (arrival.surface.bsdf, arrival.at)
+}
+
+/// A texture that is the same everywhere is the number it holds, in every model.
+#[test]
+fn constant_textures_are_their_values() {
+    let texture = |x: f64| json!({ "type": "constant", "color": x });
+    for (kind, parameters) in [
+        ("lambertian", vec![("albedo", 0.25)]),
+        ("metal", vec![("albedo", 0.75), ("roughness", 0.25)]),
+        ("dielectric", vec![("transmittance", 0.5), ("roughness", 0.125)]),
+        ("conductor", vec![("eta", 0.5), ("k", 3.0), ("roughness", 0.5)]),
+        ("beckmann", vec![("albedo", 0.5)]),
+        ("plastic", vec![("albedo", 0.5), ("roughness", 0.25)]),
+        ("plastic", vec![("albedo", 0.5), ("roughness", 0.0)]),
+        ("oren-nayar", vec![("albedo", 0.5), ("sigma", 0.5)]),
+        ("phong", vec![("albedo", 0.5), ("exponent", 8.0)]),
+        ("blinnphong", vec![("albedo", 0.5), ("exponent", 8.0)]),
+    ] {
+        let with = |value: &dyn Fn(f64) -> Value| {
+            let mut material = json!({ "type": kind });
+            parameters.iter().for_each(|(key, x)| material[*key] = value(*x));
+            model(quad(&DAffine3::IDENTITY, [2.0; 2], material)).0
+        };
+        assert_eq!(with(&texture), with(&|x| json!(x)), "{kind} {parameters:?}");
+    }
+}
+
+/// The first of two roughnesses is along the direction in which u grows, wherever the surface is turned.
+#[test]
+fn anisotropy_follows_the_surface() {
+    for kind in ["conductor", "dielectric"] {
+        for angle in [0.0, 0.4, 2.0, 4.0] {
+            let pose = DAffine3::from_rotation_z(angle);
+            let mut material = json!({ "type": kind, "roughness": [0.1, 0.4] });
+            if kind == "conductor" {
+                material["albedo"] = json!(0.5);
+            }
+            let (bsdf, at) = model(quad(&pose, [2.0, 1.5], material));
+            let roughness = match bsdf {
+                Bsdf::Conductor(c) => c.roughness,
+                Bsdf::RoughDielectric(d) => d.roughness,
+                other => panic!("{other:?}"),
+            };
+            let frame = Frame::from_normal(at.ns);
+            let [c, s] = roughness.tangent;
+            let (along, wanted) = (frame.x * c + frame.y * s, (pose.matrix3 * DVec3::X).as_vec3a());
+            assert!((along - wanted).length() < 1e-5, "{kind}, turned by {angle}: {along}, not {wanted}");
+            assert_eq!(roughness.alpha, [0.1, 0.4]);
+        }
     }
 }

@@ -187,5 +187,5 @@ fn models_of_reflection() {
     for (found, wanted) in scene.materials.iter().zip(&wanted) {
         assert_eq!(&found.kind, wanted, "{:?}", found.name);
     }
-    assert_eq!(scene.materials[9].emit, [3.0; 3]);
+    assert_eq!(scene.materials[9].emit, Param::Value([3.0; 3]));
 }

@@ -70,7 +70,7 @@ fn keys() {
         (
             r#"{"camera": {}, «"surface": []}"#,
             "/surface: unknown key \"surface\"; did you mean \"surfaces\"? allowed: camera, integrator, sampler, \
-             image_samples, textures, materials, surfaces, lights",
+             image_samples, background, textures, materials, surfaces, lights",
         ),
         (
             r#"{"camera": {«"vfovv": 40}}"#,
@@ -192,13 +192,13 @@ fn all_mistakes_of_a_file_are_reported_in_its_order() {
 /// A slip in a key's name is one mistake, not a key too many and one too few.
 #[test]
 fn a_slip_in_a_key_is_told_once() {
-    const MATERIAL: &str = "allowed: type, name, albedo, two_sided, emit";
+    const MATERIAL: &str = "allowed: type, name, albedo, two_sided, emit, emit_two_sided";
     const SPOT: &str = "allowed: type, position, at, direction, intensity, inner_angle, outer_angle, falloff";
     for (scene, messages) in [
         (
             r#"{«"camra": {}}"#,
             &["/camra: unknown key \"camra\"; did you mean \"camera\"? allowed: camera, integrator, sampler, \
-               image_samples, textures, materials, surfaces, lights"
+               image_samples, background, textures, materials, surfaces, lights"
                 .to_owned()][..],
         ),
         (

@@ -10,7 +10,7 @@ use twinlight::scene::prepare;
 use super::{each, expect_errors, read, temporary};
 
 /// A file of these texels, and its name as a scene writes it.
-fn file(name: &str, width: u32, rgb: Vec<[f32; 3]>) -> String {
+pub fn file(name: &str, width: u32, rgb: Vec<[f32; 3]>) -> String {
     let path = temporary(name, b"");
     let image = Image { width, height: rgb.len() as u32 / width, rgb };
     write_image(&path, &image, &Metadata::default(), 0.0).expect("writable");
@@ -112,7 +112,7 @@ fn values_are_held_to_the_range_of_the_parameter() {
 }
 
 /// One error, at the image's file, that holds all of these.
-fn expect_in_image(scene: &str, name: &str, message: &str) {
+pub fn expect_in_image(scene: &str, name: &str, message: &str) {
     let found = read(scene).expect_err(scene);
     assert!(found.starts_with(name) && found.contains(message) && found.lines().count() == 1, "{found}");
     assert!(found.contains("(named by s.json:1:"), "{found}");
@@ -358,4 +358,53 @@ fn an_image_needs_texture_coordinates() {
         let with = prepare(&scene(format!(r#"{positions}, "uvs": [[0, 0], [1, 0], [0, 1]], {key}"#)));
         assert!(with.is_ok(), "{key}: {:?}", with.err());
     }
+}
+
+/// Whatever describes a material, but an index of refraction of what lies behind it.
+#[test]
+fn parameters_of_all_models() {
+    let t = r#"{"type": "checker", "even": 0.2, "odd": 0.4}"#;
+    for (material, textures) in [
+        (format!(r#""type": "lambertian", "albedo": {t}, "emit": {t}"#), 2),
+        (format!(r#""type": "mirror", "albedo": {t}"#), 1),
+        (format!(r#""type": "metal", "albedo": {t}, "roughness": {t}"#), 2),
+        (format!(r#""type": "dielectric", "transmittance": {t}, "roughness": [{t}, 0.1]"#), 2),
+        (format!(r#""type": "conductor", "eta": {t}, "k": {t}, "roughness": [0.1, {t}]"#), 3),
+        (format!(r#""type": "beckmann", "albedo": {t}, "fresnel": "none", "roughness": [{t}, {t}]"#), 3),
+        (format!(r#""type": "plastic", "albedo": {t}, "roughness": {t}"#), 2),
+        (format!(r#""type": "oren-nayar", "albedo": {t}, "sigma": {t}"#), 2),
+        (format!(r#""type": "phong", "albedo": {t}, "exponent": {t}"#), 2),
+        (format!(r#""type": "blinnphong", "albedo": {t}, "exponent": {t}"#), 2),
+    ] {
+        let scene =
+            read(&format!(r#"{{"camera": {{}}, "surfaces": [{{"type": "quad", "material": {{{material}}}}}]}}"#))
+                .unwrap();
+        assert_eq!(scene.textures.len(), textures, "{material}");
+        assert!(prepare(&scene).is_ok(), "{material}");
+    }
+    each(
+        r#"{"camera": {}, "materials": [{"name": "m", @}]}"#,
+        &[
+            (
+                r#""type": "conductor", "albedo": 1, "roughness": [0.1, «{"type": "constant", "color": 1.5}]"#,
+                "/materials/0/roughness/1: the texture holds 1.5, which is out of range; allowed: 0 to 1",
+            ),
+            (
+                r#""type": "conductor", "albedo": 1, "roughness": «true"#,
+                "/materials/0/roughness: expected an array of 2 numbers, or one number for all, found true",
+            ),
+            (
+                r#""type": "conductor", "k": 1, "eta": «{"type": "constant", "color": 0}"#,
+                "/materials/0/eta: the texture holds 0, which is out of range; allowed: 0.001 to 1000",
+            ),
+            (
+                r#""type": "plastic", "albedo": 1, "roughness": «"rough""#,
+                "/materials/0/roughness: no texture is named \"rough\"; there are no named textures here",
+            ),
+            (
+                r#""type": "oren-nayar", "albedo": 1, "sigma": «{"type": "checker", "even": 0, "odd": 20}"#,
+                "/materials/0/sigma: the texture holds 20, which is out of range; allowed: 0 to 1.5 radians",
+            ),
+        ],
+    );
 }
