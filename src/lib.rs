@@ -1,7 +1,7 @@
 //! Twinlight: bidirectional path tracing with multiple importance sampling on the CPU.
 //!
 //! `ARCHITECTURE.md` is the map. A module imports only from those listed before it:
-//! math, pdf → sampling → geometry → {accel, bsdf, light, camera, film} → scene → integrator → render → cli.
+//! math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → cli.
 
 #[allow(unsafe_code)] // The one place that talks to Embree; every block there says why it is sound.
 pub mod accel;
@@ -9,6 +9,7 @@ pub mod bsdf;
 pub mod camera;
 pub mod cli;
 pub mod compare;
+pub mod decode;
 pub mod film;
 pub mod geometry;
 pub mod import;
@@ -20,3 +21,4 @@ pub mod pdf;
 pub mod render;
 pub mod sampling;
 pub mod scene;
+pub mod texture;

@@ -17,5 +17,7 @@ mod enclosures;
 mod infinite_lights;
 #[path = "analytic/specular.rs"]
 mod specular;
+#[path = "analytic/textures.rs"]
+mod textures;
 #[path = "analytic/uniform_wall.rs"]
 mod uniform_wall;

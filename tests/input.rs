@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 use twinlight::import::scene_from_str;
 use twinlight::scene::desc::{MeshDesc, SceneDesc, ShapeDesc};
 
+#[path = "input/environments.rs"]
+mod environments;
 #[path = "input/good.rs"]
 mod good;
 #[path = "input/json.rs"]
@@ -19,6 +21,8 @@ mod meshes;
 mod settings;
 #[path = "input/surfaces.rs"]
 mod surfaces;
+#[path = "input/textures.rs"]
+mod textures;
 
 fn read(text: &str) -> Result<SceneDesc, String> {
     scene_from_str(text, "s.json", Path::new("")).map_err(|e| e.to_string())

@@ -16,6 +16,8 @@ mod settings;
 mod sphere;
 #[path = "unbiased/techniques.rs"]
 mod techniques;
+#[path = "unbiased/textures.rs"]
+mod textures;
 #[path = "unbiased/windows.rs"]
 mod windows;
 

@@ -6,10 +6,12 @@
 mod delta_point;
 mod quadric;
 mod surface_point;
+mod tangents;
 
 pub use delta_point::DeltaPoint;
 pub use quadric::{Quadric, QuadricKind};
 pub use surface_point::SurfacePoint;
+pub use tangents::Tangents;
 
 use crate::math::Vec3;
 
@@ -21,6 +23,10 @@ pub struct Geometry {
     /// Unit vertex normals, parallel to `positions` or empty when no mesh has any;
     /// zero for the vertices of meshes without.
     pub normals: Vec<Vec3>,
+    /// Texture coordinates, parallel to `positions` when `wants_uv`, else empty; zero for the vertices of meshes without.
+    pub uvs: Vec<[f32; 2]>,
+    /// Whether some texture asks for texture coordinates: surface points then carry them.
+    pub wants_uv: bool,
     /// Triangles as indices into `positions`.
     pub triangles: Vec<[u32; 3]>,
     /// The surface (index into the scene's surfaces) of each triangle.

@@ -1,5 +1,7 @@
 //! Exact spheres and disks under any affine map, intersected in f64.
 
+use std::f64::consts::{FRAC_1_PI, PI};
+
 use crate::math::{DAffine3, DVec3, Ray, Vec3};
 
 /// The unit shape a quadric is the affine image of.
@@ -101,6 +103,40 @@ impl Quadric {
     /// A normal of the unit shape, mapped by the inverse transpose, oriented and normalised.
     pub fn normal_to_world(&self, local_normal: DVec3) -> DVec3 {
         (self.to_local.matrix3.transpose() * local_normal).normalize() * self.orientation
+    }
+
+    /// Texture coordinates of a point of the surface. On the sphere u runs about z from +x, v from 0 at −z to 1 at +z; the
+    /// disk is the inscribed circle of the unit square, u along x, v along y.
+    pub fn uv(&self, p: DVec3) -> [f32; 2] {
+        let local = self.to_local.transform_point3(p);
+        match self.kind {
+            QuadricKind::Sphere => {
+                let unit = local.normalize_or(DVec3::Z);
+                let turn = unit.y.atan2(unit.x) * (0.5 * FRAC_1_PI);
+                // From the nearer pole's distance: acos loses half the digits there.
+                let polar = f64::hypot(unit.x, unit.y).atan2(unit.z) * FRAC_1_PI;
+                [(if turn < 0.0 { turn + 1.0 } else { turn }) as f32, (1.0 - polar) as f32]
+            }
+            QuadricKind::Disk => [(0.5 * (local.x + 1.0)) as f32, (0.5 * (local.y + 1.0)) as f32],
+        }
+    }
+
+    /// ∂p/∂u and ∂p/∂v of `uv` at a point of the surface, render space; `None` at a sphere's poles.
+    pub fn tangents(&self, p: DVec3) -> Option<[DVec3; 2]> {
+        let local = self.to_local.transform_point3(p);
+        let [du, dv] = match self.kind {
+            QuadricKind::Sphere => {
+                let n = local.normalize_or(DVec3::Z);
+                let rho = f64::hypot(n.x, n.y);
+                if rho < 1e-6 {
+                    return None;
+                }
+                let to_north = DVec3::new(-n.z * n.x / rho, -n.z * n.y / rho, rho);
+                [DVec3::new(-n.y, n.x, 0.0) * (2.0 * PI), to_north * PI]
+            }
+            QuadricKind::Disk => [DVec3::X * 2.0, DVec3::Y * 2.0],
+        };
+        Some([self.to_world.transform_vector3(du), self.to_world.transform_vector3(dv)])
     }
 
     /// By how much the map stretches a surface element at the unit shape's point with this normal:

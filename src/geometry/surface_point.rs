@@ -14,6 +14,8 @@ pub struct SurfacePoint {
     pub ns: Vec3,
     /// Index into the scene's surfaces.
     pub surface: u32,
+    /// Texture coordinates; zero in a scene without textures over them, and on meshes without coordinates.
+    pub uv: [f32; 2],
     /// Whether `ns` equals `ng`: the adjoint shading-normal factor is then 1.
     pub flat: bool,
 }
@@ -90,7 +92,9 @@ impl Geometry {
                 flat = false;
             }
         }
+        let uv = if self.wants_uv { self.triangle_uv(triangle, u, v) } else { [0.0; 2] };
         SurfacePoint {
+            uv,
             point: PointWithError { p: pa + pb + pc, error },
             ng,
             ns,
@@ -105,7 +109,9 @@ impl Geometry {
         // The offset must also clear the sagitta that f32 origins cut off a small sphere: it is second order.
         let error = (p.abs() + self.quadrics[quadric as usize].to_world.translation.abs().as_vec3a())
             * gamma(QUADRIC_ROUNDINGS);
+        let uv = if self.wants_uv { self.quadrics[quadric as usize].uv(p.as_dvec3()) } else { [0.0; 2] };
         SurfacePoint {
+            uv,
             point: PointWithError { p, error },
             ng: n,
             ns: n,

@@ -7,6 +7,7 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use super::json::{Document, Entry, Kind, Node, excerpt};
+use super::textures::Textures;
 use crate::scene::desc::{Diagnostic, Place, SceneError};
 
 /// Diagnostics kept; a file with more is told how many were left off.
@@ -20,6 +21,8 @@ pub(super) struct Context<'a> {
     document: Document<'a>,
     /// Where the files named by the scene lie.
     pub base_dir: &'a Path,
+    /// The textures read so far.
+    pub textures: Textures,
     /// What the reader should know but need not mend, with the offset it belongs to.
     notes: Vec<(usize, String)>,
     /// Diagnostics with the offset in the scene file that they belong to.
@@ -85,7 +88,15 @@ impl<'a> Object<'a> {
 impl<'a> Context<'a> {
     /// A reader of a document whose file names are relative to `base_dir`.
     pub fn new(document: Document<'a>, base_dir: &'a Path) -> Self {
-        Self { document, base_dir, notes: Vec::new(), diagnostics: Vec::new(), left_off: 0, misspelt: HashSet::new() }
+        Self {
+            document,
+            base_dir,
+            textures: Textures::default(),
+            notes: Vec::new(),
+            diagnostics: Vec::new(),
+            left_off: 0,
+            misspelt: HashSet::new(),
+        }
     }
 
     /// Ends reading: everything found wrong or, if nothing is, the notes; both in file order.

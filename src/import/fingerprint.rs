@@ -1,6 +1,6 @@
 //! A fingerprint of a scene's content, so that an image can be traced back to what made it.
 
-use crate::scene::desc::{ShapeDesc, SurfaceDesc};
+use crate::scene::desc::{InfiniteLightKind, SceneDesc, ShapeDesc, TextureDesc};
 
 /// Two lanes of multiply-and-rotate over 64-bit words. Not cryptographic: it tells versions of a scene apart, it does
 /// not defend against anyone.
@@ -30,12 +30,12 @@ impl Fingerprint {
     }
 }
 
-/// 128 bits that change with the scene's text and with the content of its meshes, and with nothing else: not with
+/// 128 bits that change with the scene's text and with the content of its meshes and images, and with nothing else: not with
 /// where the files are.
-pub fn fingerprint(text: &str, surfaces: &[SurfaceDesc]) -> u128 {
+pub fn fingerprint(text: &str, scene: &SceneDesc) -> u128 {
     let mut f = Fingerprint([0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344]);
     f.bytes(text.as_bytes());
-    for surface in surfaces {
+    for surface in &scene.surfaces {
         if let ShapeDesc::Mesh(mesh) = &surface.shape {
             f.floats(&mesh.positions);
             f.floats(&mesh.normals);
@@ -44,6 +44,18 @@ pub fn fingerprint(text: &str, surfaces: &[SurfaceDesc]) -> u128 {
             for index in mesh.triangles.as_flattened() {
                 f.word(u64::from(*index));
             }
+        }
+    }
+    for texture in &scene.textures {
+        if let TextureDesc::Image { texels, .. } = texture {
+            f.word(u64::from(texels.width));
+            f.floats(&texels.rgb);
+        }
+    }
+    for light in &scene.infinite_lights {
+        if let InfiniteLightKind::Image { size, texels, .. } = &light.kind {
+            f.word(size[0] as u64);
+            f.floats(texels);
         }
     }
     let [mut a, mut b] = f.0;

@@ -1,17 +1,18 @@
-//! `lights[]`: point and spot lights, turned into the delta points that `surfaces[]` would hold, and lights at infinity.
+//! `lights[]`: point and spot lights, turned into the delta points that `surfaces[]` would hold, and lights at infinity,
+//! with the background among them.
 
 use super::context::{Context, Keys, Object, Type};
-use super::json::Node;
+use super::json::{Kind, Node};
 use super::materials::Materials;
-use super::value::EMISSION;
+use super::value::{EMISSION, POSITIVE};
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::scene::desc::{InfiniteLightDesc, InfiniteLightKind, MaterialDesc, MaterialKind, ShapeDesc, SurfaceDesc};
+use crate::scene::desc::{
+    FinishDesc, InfiniteLightDesc, InfiniteLightKind, MaterialDesc, MaterialKind, Param, ShapeDesc, SurfaceDesc,
+    is_black,
+};
 
 /// The types that are built.
-const SUPPORTED: &[&str] = &["point", "spot", "directional", "constant"];
-
-/// The types that the format names and that are not built yet.
-const LATER: &[&str] = &["environment"];
+const SUPPORTED: &[&str] = &["point", "spot", "directional", "constant", "environment"];
 
 const POINT_KEYS: Keys = Keys { allowed: &["type", "position", "intensity"], idle: &[], later: &[] };
 
@@ -34,9 +35,15 @@ const ALL_KEYS: Keys = Keys {
         "falloff",
         "irradiance",
         "radiance",
+        "filename",
+        "scale",
+        "transform",
     ],
     ..SPOT_KEYS
 };
+
+/// Keys of an image all around the scene, as a light or as the background.
+const ENVIRONMENT_KEYS: &[&str] = &["type", "filename", "scale", "transform"];
 
 /// What an entry of `lights[]` is.
 enum Read {
@@ -59,11 +66,11 @@ impl<'a> Context<'a> {
             let at = self.place(&node);
             match self.light(&node) {
                 Some(Read::Delta(kind, transform)) => {
-                    let (emit, emit_two_sided) = ([0.0; 3], false);
+                    let (emit, emit_two_sided) = (Param::Value([0.0; 3]), false);
                     let material = MaterialDesc { name: None, kind, emit, emit_two_sided, at: at.clone() };
                     let material = materials.push(Some(material));
-                    let shape = ShapeDesc::DeltaPoint;
-                    surfaces.push(SurfaceDesc { shape, transform, material, flip_normals: false, at });
+                    let (shape, finish) = (ShapeDesc::DeltaPoint, FinishDesc::default());
+                    surfaces.push(SurfaceDesc { shape, transform, material, flip_normals: false, finish, at });
                 }
                 Some(Read::Infinite(kind)) => infinite.push(InfiniteLightDesc { kind, at }),
                 None => {}
@@ -73,14 +80,14 @@ impl<'a> Context<'a> {
 
     fn light(&mut self, node: &Node<'a>) -> Option<Read> {
         let object = self.object(node, "an object")?;
-        let kind = self.type_of(&object, "light type", SUPPORTED, LATER);
+        let kind = self.type_of(&object, "light type", SUPPORTED, &[]);
         let keys = match kind {
             Type::Known("point") => POINT_KEYS,
             Type::Known("spot") => SPOT_KEYS,
             Type::Known("directional") => Keys::only(&["type", "direction", "irradiance"]),
             Type::Known("constant") => Keys::only(&["type", "radiance"]),
-            Type::Known(_) | Type::Unknown => ALL_KEYS,
-            Type::Later => return None,
+            Type::Known("environment") => Keys::only(ENVIRONMENT_KEYS),
+            Type::Known(_) | Type::Unknown | Type::Later => ALL_KEYS,
         };
         self.check_keys(&object, &keys);
         self.required(&object, "type");
@@ -106,15 +113,88 @@ impl<'a> Context<'a> {
                 let radiance = self.required(&object, "radiance").and_then(|n| self.color(n, EMISSION));
                 Some(Read::Infinite(InfiniteLightKind::Constant { radiance: radiance? }))
             }
+            Type::Known("environment") => self.environment(&object).map(Read::Infinite),
             _ => {
                 // What means the same in every light is checked in one of unknown type, too.
                 object.get("position").and_then(|n| self.point(n));
                 for key in ["intensity", "irradiance", "radiance"] {
                     object.get(key).and_then(|n| self.color(n, EMISSION));
                 }
+                object.get("scale").and_then(|n| self.number(n, POSITIVE));
+                self.turn(&object);
                 None
             }
         }
+    }
+
+    /// The background: the same radiance from everywhere, or an image; `None` when it is black.
+    pub fn background(&mut self, scene: &Object<'a>) -> Option<InfiniteLightDesc> {
+        let node = scene.get("background")?;
+        let kind = if node.kind() == Kind::Object {
+            let object = self.object(node, "an object")?;
+            let kind = self.type_of(&object, "background type", &["constant", "image"], &[]);
+            let keys = match kind {
+                Type::Known("constant") => &["type", "color"],
+                Type::Known(_) => ENVIRONMENT_KEYS,
+                Type::Unknown | Type::Later => &["type", "color", "filename", "scale", "transform"],
+            };
+            self.check_keys(&object, &Keys::only(keys));
+            self.required(&object, "type");
+            match kind {
+                Type::Known("constant") => {
+                    let color = self.required(&object, "color")?;
+                    InfiniteLightKind::Constant { radiance: self.vector(color, EMISSION)? }
+                }
+                Type::Known(_) => self.environment(&object)?,
+                Type::Unknown | Type::Later => {
+                    object.get("color").and_then(|n| self.vector::<3>(n, EMISSION));
+                    object.get("scale").and_then(|n| self.number(n, POSITIVE));
+                    self.turn(&object);
+                    return None;
+                }
+            }
+        } else {
+            InfiniteLightKind::Constant { radiance: self.vector(node, EMISSION)? }
+        };
+        if matches!(kind, InfiniteLightKind::Constant { radiance } if is_black(radiance)) {
+            return None;
+        }
+        Some(InfiniteLightDesc { kind, at: self.place(node) })
+    }
+
+    /// An image all around the scene; its keys have been checked.
+    fn environment(&mut self, object: &Object<'a>) -> Option<InfiniteLightKind> {
+        let scale = object.get("scale").map_or(Some(1.0), |n| self.number(n, POSITIVE));
+        let transform = self.turn(object);
+        let node = self.required(object, "filename");
+        let name = node.and_then(|n| self.string(n));
+        let texels = self.radiance_image(node?, &name?, scale?)?;
+        let size = [texels.width as usize, texels.height as usize];
+        let scale = scale? as f32;
+        let texels = texels.rgb.iter().map(|t| t.map(|x| x * scale)).collect();
+        Some(InfiniteLightKind::Image { size, texels, transform: transform? })
+    }
+
+    /// The transform of what is infinitely far away: a rotation.
+    fn turn(&mut self, object: &Object<'a>) -> Option<DMat3> {
+        let Some(node) = object.get("transform") else { return Some(DMat3::IDENTITY) };
+        let map = self.transform(object)?;
+        let m = map.matrix3;
+        // Written with four digits or more.
+        let turned = (m.transpose() * m).abs_diff_eq(DMat3::IDENTITY, 1e-4) && m.determinant() > 0.0;
+        if !turned || map.translation != DVec3::ZERO {
+            let what = if turned { "moves" } else { "scales, shears or mirrors" };
+            let message = format!(
+                "the transform {what}: what is infinitely far away can only be turned; allowed: rotations \
+                 ({{\"rotate\": [degrees, x, y, z]}}, say)"
+            );
+            self.error(node, message);
+            return None;
+        }
+        // What is a rotation by all digits stays as it is.
+        let x = m.x_axis.normalize();
+        let y = (m.y_axis - x * x.dot(m.y_axis)).normalize();
+        Some(DMat3::from_cols(x, y, x.cross(y)))
     }
 
     /// A direction of unit length.

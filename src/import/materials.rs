@@ -25,18 +25,28 @@ const SUPPORTED: &[&str] = &[
     "blinnphong",
     "beckmann",
     "oren-nayar",
+    "blend",
 ];
 
-/// The types that the format names and that are not built yet.
-const LATER: &[&str] = &["blend"];
-
-/// Material keys of surfaces that are textures.
-const LATER_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
-
 /// Keys of some material.
-const OWN_KEYS: &[&str] =
-    &["albedo", "two_sided", "emit", "emit_two_sided", "ior", "transmittance", "inner_angle", "outer_angle", "falloff"];
+const OWN_KEYS: &[&str] = &[
+    "albedo",
+    "two_sided",
+    "emit",
+    "emit_two_sided",
+    "ior",
+    "transmittance",
+    "inner_angle",
+    "outer_angle",
+    "falloff",
+    "a",
+    "b",
+    "amount",
+];
 const OWN_IDLE_KEYS: &[&str] = &["profile"];
+
+/// What does not shine.
+const DARK: Param<Color> = Param::Value([0.0; 3]);
 
 /// Names listed in a message.
 const MAX_NAMES: usize = 20;
@@ -77,6 +87,7 @@ pub(super) fn type_name(kind: &MaterialKind) -> &'static str {
         MaterialKind::Dielectric { .. } => "dielectric",
         MaterialKind::Black => "diffuse light",
         MaterialKind::Null => "null",
+        MaterialKind::Blend { .. } => "blend",
         MaterialKind::PointLight { .. } => "point light",
         MaterialKind::SpotLight { .. } => "spot light",
         MaterialKind::Conductor { facets: Facets::Ggx, .. } => "conductor",
@@ -99,7 +110,7 @@ impl<'a> Context<'a> {
         for node in nodes.unwrap_or_default() {
             let Some(object) = self.object(&node, "an object") else { continue };
             let name = object.get("name").and_then(|n| self.string(n));
-            let material = self.material(&object, name.clone());
+            let material = self.material(&object, name.clone(), &mut materials);
             self.required(&object, "name");
             let index = materials.push(material);
             let Some(name) = name else { continue };
@@ -137,7 +148,7 @@ impl<'a> Context<'a> {
             Kind::Object => {
                 let object = self.object(node, "an object")?;
                 let name = object.get("name").and_then(|n| self.string(n));
-                let material = self.material(&object, name);
+                let material = self.material(&object, name, materials);
                 Some(materials.push(material))
             }
             _ => {
@@ -147,12 +158,16 @@ impl<'a> Context<'a> {
         }
     }
 
-    fn material(&mut self, object: &Object<'a>, name: Option<String>) -> Option<MaterialDesc> {
+    fn material(
+        &mut self,
+        object: &Object<'a>,
+        name: Option<String>,
+        materials: &mut Materials,
+    ) -> Option<MaterialDesc> {
         let at = self.place(&object.node);
-        let name_of_type = match self.type_of(object, "material type", SUPPORTED, LATER) {
+        let name_of_type = match self.type_of(object, "material type", SUPPORTED, &[]) {
             Type::Known(name) => name,
-            Type::Unknown => return self.unknown_material(object),
-            Type::Later => return None,
+            Type::Unknown | Type::Later => return self.unknown_material(object),
         };
         let kind = match name_of_type {
             "lambertian" => self.lambertian(object),
@@ -163,11 +178,12 @@ impl<'a> Context<'a> {
             "point light" => self.point_light(object),
             "spot light" => self.spot_light(object),
             "null" => self.null(object),
+            "blend" => self.blend(object, materials),
             _ => self.model(object, name_of_type),
         };
         let (emit, emit_two_sided) = match name_of_type {
             // Their `emit` is an intensity, or an error already reported.
-            "point light" | "spot light" | "null" => ([0.0; 3], false),
+            "point light" | "spot light" | "null" => (DARK, false),
             _ => self.reflecting_emission(object)?,
         };
         Some(MaterialDesc { name, kind: kind?, emit, emit_two_sided, at })
@@ -179,7 +195,7 @@ impl<'a> Context<'a> {
         self.check_material_keys(object, &[OWN_KEYS, models::OWN_KEYS].concat(), OWN_IDLE_KEYS);
         self.required(object, "type");
         for (key, range) in [("albedo", UNIT), ("transmittance", UNIT), ("emit", EMISSION)] {
-            object.get(key).and_then(|node| self.color(node, range));
+            object.get(key).and_then(|node| self.color_or_texture(node, range));
         }
         None
     }
@@ -187,13 +203,13 @@ impl<'a> Context<'a> {
     /// Reports unknown keys of a material with the given keys of its own.
     pub fn check_material_keys(&mut self, object: &Object<'a>, own: &[&str], idle: &[&str]) {
         let allowed = [&["type", "name"], own].concat();
-        self.check_keys(object, &Keys { allowed: &allowed, idle, later: LATER_KEYS });
+        self.check_keys(object, &Keys { allowed: &allowed, idle, later: &[] });
     }
 
-    /// A colour in [0,1] with an optional default.
+    /// A colour or texture in [0,1] with an optional default.
     pub fn reflectance(&mut self, object: &Object<'a>, key: &str, default: Option<f64>) -> Option<Param<Color>> {
         match (object.get(key), default) {
-            (Some(node), _) => self.color(node, UNIT).map(Param::Value),
+            (Some(node), _) => self.color_or_texture(node, UNIT),
             (None, Some(default)) => Some(Param::Value([default; 3])),
             (None, None) => {
                 self.required(object, key);
@@ -248,15 +264,39 @@ impl<'a> Context<'a> {
     fn diffuse_light(&mut self, object: &Object<'a>, name: Option<String>, at: Place) -> Option<MaterialDesc> {
         self.check_material_keys(object, &["emit", "two_sided"], &[]);
         let emit_two_sided = self.flag(object, "two_sided");
-        let emit = self.required(object, "emit").and_then(|node| self.color(node, EMISSION));
+        let emit = self.required(object, "emit").and_then(|node| self.color_or_texture(node, EMISSION));
         Some(MaterialDesc { name, kind: MaterialKind::Black, emit: emit?, emit_two_sided: emit_two_sided?, at })
     }
 
     /// The optional emission of a material that also reflects.
-    fn reflecting_emission(&mut self, object: &Object<'a>) -> Option<(Color, bool)> {
+    fn reflecting_emission(&mut self, object: &Object<'a>) -> Option<(Param<Color>, bool)> {
         let two_sided = self.flag(object, "emit_two_sided");
-        let emit = object.get("emit").map_or(Some([0.0; 3]), |node| self.color(node, EMISSION));
+        let emit = object.get("emit").map_or(Some(DARK), |node| self.color_or_texture(node, EMISSION));
         emit.zip(two_sided)
+    }
+
+    /// A mixture of two materials, each named above or inline.
+    fn blend(&mut self, object: &Object<'a>, materials: &mut Materials) -> Option<MaterialKind> {
+        self.check_material_keys(object, &["a", "b", "amount", "emit", "emit_two_sided"], &[]);
+        let mut part = |context: &mut Self, key| {
+            let node = context.required(object, key)?;
+            let index = context.material_reference(node, materials)?;
+            let material = materials.get(index)?;
+            let name = type_name(&material.kind);
+            if matches!(material.kind, MaterialKind::PointLight { .. } | MaterialKind::SpotLight { .. }) {
+                context.error(node, format!("a {name:?} cannot be part of a blend: it has no surface"));
+                return None;
+            }
+            if material.emit != DARK {
+                let message = "a part of a blend cannot emit; give the blend itself an \"emit\"";
+                context.error(node, message);
+                return None;
+            }
+            Some(index)
+        };
+        let (a, b) = (part(self, "a"), part(self, "b"));
+        let amount = self.required(object, "amount").and_then(|node| self.scalar_or_texture(node, UNIT));
+        Some(MaterialKind::Blend { a: a?, b: b?, amount: amount? })
     }
 
     fn null(&mut self, object: &Object<'a>) -> Option<MaterialKind> {

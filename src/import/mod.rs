@@ -20,6 +20,7 @@ mod scan;
 mod scene_json;
 mod settings;
 mod surfaces;
+mod textures;
 mod transform;
 mod value;
 
@@ -68,7 +69,7 @@ impl From<SceneError> for ImportError {
     }
 }
 
-/// Loads a scene file in the native JSON format together with the meshes that it names.
+/// Loads a scene file in the native JSON format together with the meshes and images that it names.
 ///
 /// # Errors
 /// [`ImportError::Io`] when the scene file cannot be read; [`ImportError::Scene`] with everything that is wrong with

@@ -1,6 +1,7 @@
 //! Materials that reflect by facets, coats and lobes: their keys.
 
 use super::context::{Context, Object};
+use super::json::Kind;
 use super::value::{EXPONENT, EXTINCTION, IOR, IOR_COAT, ROUGHNESS, Range, SLOPE};
 use crate::scene::desc::{Color, EmpiricalModel, Facets, FresnelDesc, MaterialKind, Param};
 
@@ -27,14 +28,17 @@ impl<'a> Context<'a> {
     /// α of a rough surface, one number for all directions.
     pub fn alpha(&mut self, object: &Object<'a>, default: f64) -> Option<Param<f64>> {
         let node = object.get("roughness");
-        node.map_or(Some(default), |node| self.scalar(node, ROUGHNESS)).map(Param::Value)
+        node.map_or(Some(Param::Value(default)), |node| self.scalar_or_texture(node, ROUGHNESS))
     }
 
     /// α along and across the tangent, or one number for both.
     pub fn alphas(&mut self, object: &Object<'a>, default: f64) -> Option<[Param<f64>; 2]> {
-        let node = object.get("roughness");
-        let both = node.map_or(Some([default; 2]), |node| self.vector::<2>(node, ROUGHNESS));
-        both.map(|both| both.map(Param::Value))
+        let Some(node) = object.get("roughness") else { return Some([Param::Value(default); 2]) };
+        if matches!(node.kind(), Kind::Number | Kind::String | Kind::Object) {
+            return self.scalar_or_texture(node, ROUGHNESS).map(|both| [both; 2]);
+        }
+        let [along, across] = self.vector_nodes::<2>(node)?.map(|node| self.scalar_or_texture(&node, ROUGHNESS));
+        Some([along?, across?])
     }
 
     fn conductor(&mut self, object: &Object<'a>, facets: Facets) -> Option<MaterialKind> {
@@ -68,8 +72,8 @@ impl<'a> Context<'a> {
                     );
                 }
             }
-            let eta = self.required(object, "eta").and_then(|node| self.color(node, IOR)).map(Param::Value);
-            let k = self.required(object, "k").and_then(|node| self.color(node, EXTINCTION)).map(Param::Value);
+            let eta = self.required(object, "eta").and_then(|node| self.color_or_texture(node, IOR));
+            let k = self.required(object, "k").and_then(|node| self.color_or_texture(node, EXTINCTION));
             return Some(FresnelDesc::Index { eta: eta?, k: k? });
         }
         if !object.has("albedo") && self.is_untold(object, "albedo") {
@@ -114,7 +118,7 @@ impl<'a> Context<'a> {
     ) -> Option<MaterialKind> {
         self.check_material_keys(object, &["albedo", key, "two_sided", "emit", "emit_two_sided"], &[]);
         let albedo: Option<Param<Color>> = self.reflectance(object, "albedo", None);
-        let number = self.required(object, key).and_then(|node| self.scalar(node, range)).map(Param::Value);
+        let number = self.required(object, key).and_then(|node| self.scalar_or_texture(node, range));
         let two_sided = self.flag(object, "two_sided");
         Some(MaterialKind::Empirical { albedo: albedo?, model: model(number?), two_sided: two_sided? })
     }

@@ -11,8 +11,18 @@ use super::json::Document;
 use crate::scene::desc::{SceneDesc, SceneError};
 
 const KEYS: Keys = Keys {
-    allowed: &["camera", "integrator", "sampler", "image_samples", "background", "materials", "surfaces", "lights"],
-    idle: &["textures", "accelerator", "media"],
+    allowed: &[
+        "camera",
+        "integrator",
+        "sampler",
+        "image_samples",
+        "background",
+        "textures",
+        "materials",
+        "surfaces",
+        "lights",
+    ],
+    idle: &["accelerator", "media"],
     later: &[],
 };
 
@@ -25,7 +35,7 @@ pub(super) fn read(text: &str, file: &str, base_dir: &Path) -> Result<SceneDesc,
     let notes = context.finish()?;
     // Without diagnostics every part is there; saying so beats trusting it.
     let scene = scene.ok_or_else(|| SceneError::one(root_place, "the scene is incomplete"))?;
-    let fingerprint = fingerprint(text, &scene.surfaces);
+    let fingerprint = fingerprint(text, &scene);
     Ok(SceneDesc { notes, fingerprint, ..scene })
 }
 
@@ -37,6 +47,7 @@ fn read_scene<'a>(context: &mut Context<'a>, root: &Object<'a>) -> Option<SceneD
     let mut infinite_lights = Vec::new();
     infinite_lights.extend(context.background(root));
     context.ignored(root);
+    context.named_textures(root);
     let mut materials = context.materials(root);
     let mut surfaces = context.surfaces(root, &mut materials);
     context.lights(root, &mut materials, &mut surfaces, &mut infinite_lights);
@@ -47,6 +58,7 @@ fn read_scene<'a>(context: &mut Context<'a>, root: &Object<'a>) -> Option<SceneD
         sampler,
         samples,
         materials: materials.into_all()?,
+        textures: std::mem::take(&mut context.textures).into_list(),
         surfaces,
         infinite_lights,
         notes: Vec::new(),

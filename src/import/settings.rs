@@ -1,11 +1,8 @@
-//! Integrator, sampler, sample count, background, and the parts of dirt's files that are read and ignored.
+//! Integrator, sampler, sample count, and the parts of dirt's files that are read and ignored.
 
-use super::context::{Context, Keys, Object, Type};
+use super::context::{Context, Keys, Object};
 use super::json::{Kind, Node};
-use super::value::EMISSION;
-use crate::scene::desc::{
-    Heuristic, InfiniteLightDesc, InfiniteLightKind, IntegratorDesc, IntegratorKind, SamplerDesc, SamplerKind, is_black,
-};
+use crate::scene::desc::{Heuristic, IntegratorDesc, IntegratorKind, SamplerDesc, SamplerKind};
 
 /// Samples per pixel when the file names none.
 const DEFAULT_SAMPLES: u32 = 64;
@@ -128,27 +125,7 @@ impl<'a> Context<'a> {
         self.integer(node, least, most).and_then(|x| u32::try_from(x).ok())
     }
 
-    /// The background: the same radiance from everywhere; `None` when it is black.
-    pub fn background(&mut self, scene: &Object<'a>) -> Option<InfiniteLightDesc> {
-        let node = scene.get("background")?;
-        let color = if node.kind() == Kind::Object {
-            let object = self.object(node, "an object")?;
-            let kind = self.type_of(&object, "background type", &["constant"], &["image"]);
-            if kind == Type::Later {
-                return None;
-            }
-            self.check_keys(&object, &Keys::only(&["type", "color"]));
-            self.required(&object, "type");
-            let color = self.required(&object, "color")?;
-            self.vector(color, EMISSION)
-        } else {
-            self.vector(node, EMISSION)
-        }?;
-        let light = InfiniteLightDesc { kind: InfiniteLightKind::Constant { radiance: color }, at: self.place(node) };
-        (!is_black(color)).then_some(light)
-    }
-
-    /// What is read and ignored, with a note, and what must be empty.
+    /// What is read and ignored, with a note.
     pub fn ignored(&mut self, scene: &Object<'a>) {
         if let Some(node) = scene.get("accelerator") {
             self.note(node, "the accelerator is ignored: it is chosen on the command line");
@@ -156,11 +133,6 @@ impl<'a> Context<'a> {
         if let Some(node) = scene.get("media") {
             if self.array(node, "an array").is_some_and(|media| !media.is_empty()) {
                 self.note(node, "the media are ignored: nothing may use them (participating media are not supported)");
-            }
-        }
-        if let Some(node) = scene.get("textures") {
-            if self.array(node, "an array").is_some_and(|textures| !textures.is_empty()) {
-                self.error(node, "textures are not supported yet; supported: numbers and colours");
             }
         }
     }

@@ -4,8 +4,8 @@ use super::context::{Context, Keys, Object, Type};
 use super::json::Node;
 use super::materials::{Materials, type_name};
 use super::mesh_file;
-use super::value::POSITIVE;
-use crate::scene::desc::{MaterialKind, MeshDesc, ShapeDesc, SurfaceDesc};
+use super::value::{ANY, POSITIVE, UNIT};
+use crate::scene::desc::{FinishDesc, MaterialKind, MeshDesc, Param, ShapeDesc, SurfaceDesc};
 
 /// The types that are built.
 const SUPPORTED: &[&str] = &["quad", "sphere", "disk", "triangle", "mesh", "delta point"];
@@ -19,8 +19,8 @@ const COMMON_KEYS: &[&str] = &["type", "transform", "material", "flip_normals"];
 /// Keys of some surface.
 const OWN_KEYS: &[&str] = &["size", "radius", "filename", "positions", "indices", "normals", "uvs"];
 
-/// Keys that the format names and that are not built yet.
-const LATER_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
+/// Keys of every surface that has an area.
+const FINISH_KEYS: &[&str] = &["opacity", "normal_map", "bump_map"];
 
 impl<'a> Context<'a> {
     /// The scene's surfaces.
@@ -41,8 +41,9 @@ impl<'a> Context<'a> {
             Type::Unknown | Type::Later => OWN_KEYS,
         };
         if kind != Type::Later {
-            let allowed = [COMMON_KEYS, own].concat();
-            self.check_keys(&object, &Keys { later: LATER_KEYS, ..Keys::only(&allowed) });
+            let finish = if kind == Type::Known("delta point") { &[] } else { FINISH_KEYS };
+            let allowed = [COMMON_KEYS, own, finish].concat();
+            self.check_keys(&object, &Keys::only(&allowed));
             self.required(&object, "type");
         }
         let shape = match kind {
@@ -52,16 +53,20 @@ impl<'a> Context<'a> {
         // What every surface has is checked in one of unknown type, too.
         let transform = self.transform(&object);
         let flip_normals = object.get("flip_normals").map_or(Some(false), |n| self.boolean(n));
+        let finish =
+            if kind == Type::Known("delta point") { Some(FinishDesc::default()) } else { self.surface_finish(&object) };
         let material = if kind == Type::Later { object.get("material") } else { self.required(&object, "material") };
         let material = material.and_then(|n| Some((n, self.material_reference(n, materials)?)));
         if let (Type::Known(kind), Some((node, index))) = (kind, material) {
             self.check_material_fits(kind, node, index, materials);
+            self.check_opacity_fits(&object, &finish, index, materials);
         }
         Some(SurfaceDesc {
             shape: shape?,
             transform: transform?,
             material: material?.1,
             flip_normals: flip_normals?,
+            finish: finish?,
             at: self.place(&object.node),
         })
     }
@@ -74,6 +79,38 @@ impl<'a> Context<'a> {
             "triangle" => self.triangle(object).map(ShapeDesc::Mesh),
             "mesh" => self.mesh(object).map(ShapeDesc::Mesh),
             _ => Some(ShapeDesc::DeltaPoint),
+        }
+    }
+
+    /// Opacity and maps of the normal.
+    fn surface_finish(&mut self, object: &Object<'a>) -> Option<FinishDesc> {
+        let default = FinishDesc::default();
+        let opacity = object.get("opacity").map_or(Some(default.opacity), |n| self.scalar_or_texture(n, UNIT));
+        let normal_map = object.get("normal_map").map(|n| self.data_texture(n, UNIT));
+        let bump_map = object.get("bump_map").map(|n| self.data_texture(n, ANY));
+        if let (Some(_), Some(node)) = (&normal_map, object.get("bump_map")) {
+            self.error(node, "\"normal_map\" and \"bump_map\" both turn the normal; give one of them");
+            return None;
+        }
+        // The outer `None` is a key that is not there, the inner one an error.
+        let found = |map: Option<Option<usize>>| map.map_or(Some(None), |index| index.map(Some));
+        Some(FinishDesc { opacity: opacity?, normal_map: found(normal_map)?, bump_map: found(bump_map)? })
+    }
+
+    /// What shines is there: light starts on it without asking for its opacity.
+    fn check_opacity_fits(
+        &mut self,
+        object: &Object<'a>,
+        finish: &Option<FinishDesc>,
+        material: usize,
+        materials: &Materials,
+    ) {
+        let clear = finish.is_some_and(|f| f.opacity != Param::Value(1.0));
+        let shines = materials.get(material).is_some_and(|m| m.emit != Param::Value([0.0; 3]));
+        if let (true, true, Some(node)) = (clear, shines, object.get("opacity")) {
+            let message = "a surface that shines has to be opaque: a texture as its \"emit\" makes parts of it dark, and \
+                           another surface can stand where it is cut out; allowed: 1";
+            self.error(node, message);
         }
     }
 

@@ -141,21 +141,15 @@ impl<'a> Context<'a> {
         Some(values.map(Option::unwrap_or_default))
     }
 
-    /// A colour; textures are not supported yet.
+    /// A colour where no texture can stand.
     pub fn color(&mut self, node: &Node<'a>, range: Range) -> Option<Color> {
         self.no_texture(node)?;
         self.vector(node, range)
     }
 
-    /// A number where the format allows a texture; textures are not supported yet.
-    pub fn scalar(&mut self, node: &Node<'a>, range: Range) -> Option<f64> {
-        self.no_texture(node)?;
-        self.number(node, range)
-    }
-
     fn no_texture(&mut self, node: &Node<'a>) -> Option<()> {
         if matches!(node.kind(), Kind::Object | Kind::String) {
-            self.error(node, "textures are not supported yet; supported: a number or an array of numbers");
+            self.error(node, "no texture can stand here; allowed: a number or an array of numbers");
             return None;
         }
         Some(())

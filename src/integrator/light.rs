@@ -56,6 +56,7 @@ fn trace<A: Accel>(
     let Some(choice) = &scene.light_choice else { return };
     let pixel_key = sample.key(scene.camera.resolution());
     let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Light(number), sample.index);
+    let mut coins = sampler.coins();
     recorder.rays.light_paths += 1;
 
     let (id, pmf) = choice.sample_emission(sampler.next_f64());
@@ -72,12 +73,12 @@ fn trace<A: Accel>(
         if let Some(lens) = scene.camera.sample_lens(at.p(), &lens_numbers(&scene.camera, &mut sampler, 1)) {
             let le = light.emitted(&start.point, lens.wi);
             if le.max_element() > 0.0 {
-                recorder.rays.lens += 1;
-                let shadow = Ray::segment(at.origin(lens.wi), lens.p);
-                if !scene.accel.occluded(&shadow) {
+                let segment = Ray::segment(at.origin(lens.wi), lens.p);
+                let visible = scene.visibility(&segment, &mut recorder.rays.lens);
+                if visible > 0.0 {
                     let area = lens.pdf.to_area(lens.wi.dot(at.ng), lens.d2);
                     let scale = area.0 / (pdf_position * light_paths_per_pass);
-                    recorder.splat(1, 1, lens.pixel, le * scale as f32);
+                    recorder.splat(1, 1, lens.pixel, le * (scale as f32 * visible));
                 }
             }
         }
@@ -90,18 +91,19 @@ fn trace<A: Accel>(
     // Light vertices including the one being arrived at; s − 1 of them scatter when the camera is connected.
     let mut s = 2;
     while s - 1 <= settings.max_bounces {
-        let Some(arrival) = scene.arrive(ray, &mut recorder.rays.light) else { return };
+        let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light) else { return };
         let at = &arrival.at;
         let bsdf = &arrival.surface.bsdf;
         let wo = -ray.d;
         if bsdf.is_connectible() && settings.wants(s, 1) {
             if let Some(lens) = scene.camera.sample_lens(at.p(), &lens_numbers(&scene.camera, &mut sampler, s)) {
                 if let Some(value) = bsdf.eval(at, wo, lens.wi, Transport::Importance) {
-                    recorder.rays.lens += 1;
-                    if !scene.accel.occluded(&Ray::segment(at.origin(lens.wi), lens.p)) {
+                    let segment = Ray::segment(at.origin(lens.wi), lens.p);
+                    let visible = scene.visibility(&segment, &mut recorder.rays.lens);
+                    if visible > 0.0 {
                         // F holds the cosine at the surface: We·cosθ/d² is the camera's density over d².
                         let scale = lens.pdf.0 / (lens.d2 * light_paths_per_pass);
-                        recorder.splat(s, 1, lens.pixel, beta * value.f * scale as f32);
+                        recorder.splat(s, 1, lens.pixel, beta * value.f * (scale as f32 * visible));
                     }
                 }
             }

@@ -64,6 +64,7 @@ fn weight(settings: &Settings, p: f64, q: f64) -> f32 {
 pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: PixelSample, recorder: &mut Recorder) {
     let pixel_key = sample.key(scene.camera.resolution());
     let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Camera, sample.index);
+    let mut coins = sampler.coins();
     recorder.begin(sample.pixel, sample.index);
     recorder.rays.camera_paths += 1;
     let Some(choice) = &scene.light_choice else { return };
@@ -79,7 +80,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
     let mut t = 2;
     loop {
         let wo = -ray.d;
-        let reached = scene.follow(ray, &mut recorder.rays.camera);
+        let reached = scene.follow(ray, &mut coins, &mut recorder.rays.camera);
         // s = 0: the path has hit light `id`. Next-event estimation could not have found it behind a window.
         let mut hit = |id: u32, point: LightPoint, through_window: bool| {
             let light = &scene.lights[id as usize];
@@ -130,8 +131,8 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
                 let le = light.emitted(&y.point, -wi);
                 let value = if le == Rgb::ZERO { None } else { bsdf.eval(at, wo, wi, Transport::Radiance) };
                 if let Some(value) = value {
-                    recorder.rays.shadow += 1;
-                    if !scene.accel.occluded(&y.point.shadow_ray(at)) {
+                    let visible = scene.visibility(&y.point.shadow_ray(at), &mut recorder.rays.shadow);
+                    if visible > 0.0 {
                         let pdf_light = (y.pdf * pmf).0 * d2;
                         // Densities at the light, both multiplied by d²/cos to stay finite as d shrinks.
                         let w = if light.is_delta() {
@@ -139,7 +140,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
                         } else {
                             weight(settings, pdf_light, f64::from(value.pdf_fwd.0) * cos)
                         };
-                        recorder.add(1, t, beta * value.f * le * ((cos / pdf_light) as f32 * w));
+                        recorder.add(1, t, beta * value.f * le * ((cos / pdf_light) as f32 * w * visible));
                     }
                 }
             }

@@ -5,7 +5,7 @@ use crate::math::Rgb;
 /// Ends subpaths at random so that the survivors' throughput keeps the size it started with.
 ///
 /// The probabilities stay out of every density: the MIS weights are functions of the path alone, whatever roulette it
-/// went through, and still sum to one (`docs/MIS.md` §7). Radiance scaling by refraction is left out of the decision,
+/// went through, and still sum to one (`docs/MIS.md` §8). Radiance scaling by refraction is left out of the decision,
 /// for it is undone on the way out of the medium.
 ///
 /// The first few scatterings are free of it: ending paths at once costs more variance than it saves rays. On the

@@ -3,19 +3,22 @@
 use std::f64::consts::PI;
 
 use crate::geometry::{Geometry, QuadricKind, SurfacePoint, triangle_area};
-use crate::math::{DVec3, Frame, PointWithError, Rgb, Vec3, gamma};
+use crate::math::{DVec3, Frame, PointWithError, Rgb, Vec2, Vec3, gamma};
 use crate::pdf::{AreaPdf, SolidAnglePdf};
 use crate::sampling::{AliasTable, ONE_MINUS_EPSILON, warp};
+use crate::texture::Texture;
 
 use super::{EmissionSample, LightPoint};
 
-/// A surface that emits the same radiance everywhere, in all directions on its normal's side or on both.
+/// A surface that emits the same radiance in all directions on its normal's side or on both.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     /// The shape.
     pub emitter: Emitter,
-    /// Emitted radiance, W·m⁻²·sr⁻¹.
+    /// Emitted radiance, W·m⁻²·sr⁻¹; of a textured light its mean over the surface.
     pub radiance: Rgb,
+    /// Radiance by place, where it varies.
+    pub texture: Option<Texture>,
     /// Area in render units, summed in f64 (for an ellipsoid: of the ellipsoid).
     pub area: f64,
     /// The surface that shines.
@@ -44,6 +47,8 @@ pub enum Emitter {
         edges: [Vec3; 2],
         /// Unit normal on the emitting side.
         normal: Vec3,
+        /// Texture coordinates of the corner, and their differences along the edges.
+        uv: [Vec2; 3],
     },
     /// Any triangles: chosen by area, then uniform.
     Triangles {
@@ -69,7 +74,7 @@ impl AreaLight {
             Some(p) => p,
             None => Emitter::Triangles { choice: AliasTable::new(&areas)?, triangles },
         };
-        (area > 0.0).then_some(Self { emitter, radiance, area, surface, two_sided })
+        (area > 0.0).then_some(Self { emitter, radiance, texture: None, area, surface, two_sided })
     }
 
     /// A light of a quadric, or `None` when it has no area.
@@ -91,19 +96,44 @@ impl AreaLight {
                 4.0 * PI * (0..n).map(stretch).sum::<f64>() / f64::from(n)
             }
         };
-        (area > 0.0).then_some(Self { emitter: Emitter::Quadric { index }, radiance, area, surface, two_sided })
+        let emitter = Emitter::Quadric { index };
+        (area > 0.0).then_some(Self { emitter, radiance, texture: None, area, surface, two_sided })
+    }
+
+    /// The same light with a radiance that varies over it.
+    pub fn textured(mut self, geometry: &Geometry, texture: Texture) -> Self {
+        // The mean, on which the choice among lights depends and nothing else: a lattice of rank 1 over part and point
+        // (Roberts' additive recurrence, inverse powers of the plastic number's analogue in three dimensions).
+        let (mut sum, n) = (DVec3::ZERO, 4096);
+        for i in 0..n {
+            let x = |step: f64| (0.5 + step * f64::from(i)).fract();
+            let u = [x(0.671_043_606_703_788_8) as f32, x(0.549_700_477_901_970_1) as f32];
+            if let Some((at, _)) = self.sample_point(geometry, x(0.819_172_513_396_164_5), u) {
+                sum += texture.color(&at).as_dvec3();
+            }
+        }
+        // Light that all of these miss must be found by someone.
+        self.radiance = (sum / f64::from(n)).as_vec3a().max(texture.largest() * 1e-3);
+        self.texture = Some(texture);
+        self
+    }
+
+    /// A bound of the radiance of each channel.
+    pub fn largest_radiance(&self) -> Rgb {
+        self.texture.as_ref().map_or(self.radiance, Texture::largest)
     }
 
     /// A point on the surface with its density per area. `u_part` chooses among triangles.
     #[inline]
     pub fn sample_point(&self, geometry: &Geometry, u_part: f64, u: [f32; 2]) -> Option<(SurfacePoint, AreaPdf)> {
         match &self.emitter {
-            Emitter::Parallelogram { corner, edges, normal } => {
+            Emitter::Parallelogram { corner, edges, normal, uv } => {
                 let (a, b) = (edges[0] * u[0], edges[1] * u[1]);
                 // As for triangles, the bound follows the corners, not the point.
                 let error = (corner.abs() + edges[0].abs() + edges[1].abs()) * gamma(16);
                 let point = PointWithError { p: *corner + a + b, error };
-                let at = SurfacePoint { point, ng: *normal, ns: *normal, surface: self.surface, flat: true };
+                let uv = (uv[0] + uv[1] * u[0] + uv[2] * u[1]).to_array();
+                let at = SurfacePoint { point, ng: *normal, ns: *normal, surface: self.surface, uv, flat: true };
                 Some((at, AreaPdf(1.0 / self.area)))
             }
             Emitter::Triangles { triangles, choice } => {
@@ -169,11 +199,15 @@ impl AreaLight {
             return None;
         }
         let w = Frame::from_normal(at.ng * side).to_world(local);
+        let le = self.emitted(&at, w);
+        if self.texture.is_some() && le == Rgb::ZERO {
+            return None;
+        }
         Some(EmissionSample {
             point: LightPoint::Surface(at),
             origin: at.origin(w),
             w,
-            le: self.emitted(&at, w),
+            le,
             pdf_position: pdf_position.into(),
             pdf_direction: self.pdf_direction(&at, w).into(),
         })
@@ -182,7 +216,11 @@ impl AreaLight {
     /// Radiance that leaves `at` along the unit vector `w`.
     #[inline]
     pub fn emitted(&self, at: &SurfacePoint, w: Vec3) -> Rgb {
-        if w.dot(at.ng) > 0.0 || self.two_sided { self.radiance } else { Rgb::ZERO }
+        match &self.texture {
+            _ if !self.two_sided && w.dot(at.ng) <= 0.0 => Rgb::ZERO,
+            None => self.radiance,
+            Some(texture) => texture.color(at),
+        }
     }
 
     /// Density of the direction of `sample_emission`: `cosθ/π` on the emitting side, half of it on each of two.
@@ -214,10 +252,10 @@ fn parallelogram(geometry: &Geometry, triangles: &[u32]) -> Option<Emitter> {
     let &[first, second] = triangles else { return None };
     let ([a, p, q], [a2, r, s]) = (geometry.corners(first), geometry.corners(second));
     // The diagonal's end is the corner, besides the first, that both share.
-    let (b, c, d) = if a == a2 && q == r {
-        (p, q, s)
+    let (b, c, d, uv) = if a == a2 && q == r {
+        (p, q, s, affine_uv(geometry, [(first, [0, 1, 2]), (second, [0, 2, 1])])?)
     } else if a == a2 && p == s {
-        (r, p, q)
+        (r, p, q, affine_uv(geometry, [(second, [0, 1, 2]), (first, [0, 2, 1])])?)
     } else {
         return None;
     };
@@ -232,5 +270,22 @@ fn parallelogram(geometry: &Geometry, triangles: &[u32]) -> Option<Emitter> {
         corner: a,
         edges,
         normal,
+        uv,
     })
+}
+
+/// Texture coordinates over a parallelogram: at its corner, and their differences along its edges. Each half is a
+/// triangle with the places among its vertices of the corner, of the edge's end that is its own, and of the diagonal's
+/// end. `None` when the halves do not continue each other.
+fn affine_uv(geometry: &Geometry, halves: [(u32, [usize; 3]); 2]) -> Option<[Vec2; 3]> {
+    if !geometry.wants_uv {
+        return Some([Vec2::ZERO; 3]);
+    }
+    let [[a, b, c], [a2, d, c2]] = halves.map(|(triangle, places)| {
+        let vertices = geometry.triangles[triangle as usize];
+        places.map(|i| Vec2::from_array(geometry.uvs[vertices[i] as usize]))
+    });
+    let gap = (a - a2).abs().max((c - c2).abs()).max((b - a - (c - d)).abs()).max_element();
+    let size = a.abs().max(b.abs()).max(c.abs()).max(d.abs()).max_element();
+    (gap <= 4.0 * f32::EPSILON * size).then_some([a, b - a, d - a])
 }

@@ -106,7 +106,7 @@ impl Light {
     /// a small emitter.
     pub fn brightness(&self) -> f32 {
         let emitted = match self {
-            Self::Area(l) => l.radiance.max_element(),
+            Self::Area(l) => l.largest_radiance().max_element(),
             Self::Point(l) => l.intensity.max_element(),
             Self::Spot(l) => l.intensity.max_element(),
             Self::Directional(l) => l.irradiance.max_element(),

@@ -11,13 +11,11 @@ use std::path::{Path, PathBuf};
 
 pub use atomic::write_atomically;
 pub use exr::{write_exr, write_exr_layers};
-pub use png::{srgb_decode, srgb_encode, write_png};
+pub use png::write_png;
 pub use read::{format_of_content, read_image, read_image_and_metadata};
 
+pub use crate::decode::{MAX_PIXELS, Window, srgb_decode, srgb_encode};
 use crate::film::{Channel, Image};
-
-/// The largest image that is read or written, in pixels: 3 GB of it in memory.
-pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// Longest name of a metadata attribute in bytes: beyond it EXR needs a flag that old readers refuse.
 const LONGEST_NAME: usize = 31;
@@ -44,15 +42,6 @@ impl fmt::Display for OutputError {
 }
 
 impl std::error::Error for OutputError {}
-
-/// Where a cropped image lies within the full one, in pixels from the top left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Window {
-    /// Width and height of the full image: EXR's display window.
-    pub full: [u32; 2],
-    /// The full image's column and row of the crop's first pixel; with the image's own size, EXR's data window.
-    pub origin: [u32; 2],
-}
 
 /// What an EXR says about its image besides the pixels. Nothing that varies from run to run belongs here.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,17 +6,8 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::{MAX_PIXELS, OutputError, write_atomically};
+use crate::decode::srgb_encode;
 use crate::film::Image;
-
-/// The sRGB transfer function, linear to encoded (IEC 61966-2-1), on [0, 1].
-pub fn srgb_encode(linear: f64) -> f64 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
-}
-
-/// The inverse of `srgb_encode`.
-pub fn srgb_decode(encoded: f64) -> f64 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-}
 
 /// Writes an image as 8-bit sRGB PNG, every value multiplied by `2^exposure_stops` first.
 ///

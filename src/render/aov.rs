@@ -14,7 +14,7 @@ use crate::film::{Channel, Image};
 use crate::integrator::path::{camera_ray, dimensions};
 use crate::integrator::{Crop, Settings};
 use crate::math::{Ray, Rgb, Vec3};
-use crate::sampling::{Sampler, Stream};
+use crate::sampling::{Coins, Sampler, Stream};
 use crate::scene::Scene;
 
 /// An auxiliary image, or a family of them.
@@ -167,8 +167,9 @@ impl AovJob<'_> {
         let (mut depth, mut hits) = (0.0_f64, 0_u32);
         for index in 0..count {
             let mut sampler = Sampler::new(self.settings.sampler, self.settings.seed, key, Stream::Camera, index);
+            let mut coins = sampler.coins();
             let ray = camera_ray(&scene.camera, pixel, &mut sampler).ray;
-            let Some(arrival) = scene.arrive(ray, &mut 0) else { continue };
+            let Some(arrival) = scene.arrive(ray, &mut coins, &mut 0) else { continue };
             let at = &arrival.at;
             hits += 1;
             ng += at.ng;
@@ -187,7 +188,8 @@ impl AovJob<'_> {
             crate::geometry::GeometryKind::Triangle => hit.primitive + 1,
             crate::geometry::GeometryKind::Quadric => triangles + hit.primitive + 1,
         });
-        let surface = scene.arrive(center, &mut 0).map(|arrival| arrival.at.surface as usize);
+        let surface =
+            scene.arrive(center, &mut Coins::new(u64::from(key)), &mut 0).map(|arrival| arrival.at.surface as usize);
         Texel {
             albedo: (albedo / count as f32).to_array(),
             ng: ng.normalize_or_zero().to_array(),
@@ -217,7 +219,7 @@ impl AovJob<'_> {
             if distance < nearest[i] {
                 nearest[i] = distance;
                 ids[i] = hit.point + 1;
-                visible[i] = f32::from(u8::from(!scene.accel.occluded(&aimed)));
+                visible[i] = scene.visibility(&aimed, &mut 0);
             }
         }
         [Channel::uint("lights.id", ids), Channel::float("lights.visible", visible)]

@@ -5,7 +5,7 @@ mod sampler;
 pub mod warp;
 
 pub use alias::AliasTable;
-pub use sampler::{Sampler, SamplerKind, Stream};
+pub use sampler::{Coins, Sampler, SamplerKind, Stream};
 
 /// The largest f32 below 1: the largest uniform number.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - 0.5 * f32::EPSILON;

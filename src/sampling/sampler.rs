@@ -44,6 +44,12 @@ impl Sampler {
         Self { kind, key, reversed_index: index.reverse_bits(), index, dimension: 0 }
     }
 
+    /// The sample's coins: numbers beside its dimensions, independent of all of them.
+    #[inline]
+    pub fn coins(&self) -> Coins {
+        Coins { state: self.key ^ u64::from(self.index).wrapping_mul(0xda94_2042_e4dd_58b5) }
+    }
+
     /// Moves to a dimension: a bounce always starts at the same one, whatever the bounces before it consumed.
     #[inline]
     pub fn set_dimension(&mut self, dimension: u32) {
@@ -114,6 +120,31 @@ impl Sampler {
     #[inline]
     fn shuffled_index(&self, seed: u32) -> u32 {
         scramble(self.reversed_index, seed).reverse_bits()
+    }
+}
+
+/// Independent uniform numbers for decisions that few samples have to make (whether a cut-out surface is there, which
+/// part of a blend): their count varies from path to path, and dimensions would be spent on all.
+///
+/// SplitMix64, seeded by the sample's key alone: the same for any number of threads. Nothing is hashed before a number is
+/// asked for.
+#[derive(Clone, Debug)]
+pub struct Coins {
+    state: u64,
+}
+
+impl Coins {
+    /// The coins of a seed.
+    pub fn new(seed: u64) -> Self {
+        Self { state: seed }
+    }
+
+    /// The next number, uniform in [0, 1).
+    #[inline]
+    pub fn flip(&mut self) -> f32 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        // Twice: states of one pixel's samples differ by multiples of one constant.
+        unit((mix(mix(self.state)) >> 32) as u32)
     }
 }
 

@@ -1,8 +1,12 @@
 //! A scene as it is written: plain data, in the file's units and order, checked value by value but not yet prepared.
 
+mod texture;
+
 use std::fmt;
 
 use crate::math::{DAffine3, DMat3, DVec3};
+
+pub use texture::{Filter, FinishDesc, Param, Texels, TextureDesc, Wrap};
 
 /// A linear RGB triple as written.
 pub type Color = [f64; 3];
@@ -18,15 +22,17 @@ pub struct SceneDesc {
     pub sampler: SamplerDesc,
     /// Samples per pixel.
     pub samples: u32,
-    /// Materials, named and inline alike.
+    /// Materials, named and inline alike; a blend stands after its parts.
     pub materials: Vec<MaterialDesc>,
+    /// Textures, named and inline alike; each stands after those it is made of.
+    pub textures: Vec<TextureDesc>,
     /// Surfaces, with the `lights[]` sugar already turned into delta points.
     pub surfaces: Vec<SurfaceDesc>,
     /// Lights at infinity, the background included.
     pub infinite_lights: Vec<InfiniteLightDesc>,
     /// What the reader should know but need not mend, for example a sampler read as another.
     pub notes: Vec<String>,
-    /// Changes with the file's text and the content of its meshes, and with nothing else.
+    /// Changes with the file's text and the content of its meshes and images, and with nothing else.
     pub fingerprint: u128,
 }
 
@@ -158,18 +164,11 @@ pub struct MaterialDesc {
     /// How it scatters or, on a delta point, emits.
     pub kind: MaterialKind,
     /// Emitted radiance on the normal's side, W·m⁻²·sr⁻¹; all zero when it does not shine.
-    pub emit: Color,
+    pub emit: Param<Color>,
     /// Whether the other side shines as well.
     pub emit_two_sided: bool,
     /// Where in the file.
     pub at: Place,
-}
-
-/// A material's parameter: one value everywhere.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Param<T> {
-    /// The same everywhere.
-    Value(T),
 }
 
 /// The material models of the format.
@@ -240,6 +239,15 @@ pub enum MaterialKind {
     Black,
     /// Index-matched window: passes light unchanged and blocks connections.
     Null,
+    /// A mixture: `b` with the weight `amount`, `a` with what is left. Both are indices into `SceneDesc::materials`.
+    Blend {
+        /// The material at amount 0.
+        a: usize,
+        /// The material at amount 1.
+        b: usize,
+        /// In [0, 1].
+        amount: Param<f64>,
+    },
     /// Point light of radiant intensity `intensity`, W·sr⁻¹; only on a delta point.
     PointLight {
         /// Radiant intensity, W·sr⁻¹.
@@ -355,6 +363,8 @@ pub struct SurfaceDesc {
     pub material: usize,
     /// Turns the emitting and shading side.
     pub flip_normals: bool,
+    /// Opacity and maps of the normal.
+    pub finish: FinishDesc,
     /// Where in the file.
     pub at: Place,
 }

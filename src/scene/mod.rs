@@ -1,10 +1,13 @@
 //! Scenes: as written (`desc`), and as rendered (`prepare`, `Scene`).
 
 pub mod desc;
+mod detail;
 mod material;
 mod needs;
 mod prepare;
+mod textures;
 
+pub use detail::Details;
 pub use needs::SceneNeeds;
 pub use prepare::{Prepared, Warning, prepare, surface_materials};
 
@@ -16,14 +19,17 @@ use crate::camera::Camera;
 use crate::geometry::{Geometry, SurfacePoint};
 use crate::light::{Light, LightChoice};
 use crate::math::Ray;
+use crate::sampling::Coins;
 
 /// What a surface is made of.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
-    /// How it scatters.
+    /// How it scatters; of a surface in detail, one of the ways in which it may.
     pub bsdf: Bsdf,
     /// The light it is, if it shines.
     pub light: Option<u32>,
+    /// What varies over it: an index into the scene's details, resolved where a path arrives.
+    pub detail: Option<u32>,
 }
 
 /// A scene ready to render: immutable, indexed, shared by all threads. Everything is in render space.
@@ -35,6 +41,8 @@ pub struct Scene<A> {
     pub accel: A,
     /// By surface index.
     pub surfaces: Vec<Surface>,
+    /// What varies over surfaces.
+    pub details: Details,
     /// By light index.
     pub lights: Vec<Light>,
     /// The lights that a ray out of the scene hits.
@@ -47,12 +55,12 @@ pub struct Scene<A> {
     pub needs: SceneNeeds,
 }
 
-/// The first surface along a ray that is not a window.
+/// The first surface along a ray that is there and is not a window.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
     /// Where.
     pub at: SurfacePoint,
-    /// What it is made of.
+    /// What it is made of, there.
     pub surface: Surface,
     /// Whether the ray came through an index-matched window, across which nothing can be connected.
     pub through_window: bool,
@@ -76,41 +84,84 @@ impl<A: Accel> Scene<A> {
     /// # Errors
     /// When the accelerator cannot be built.
     pub fn build(prepared: Prepared, options: AccelOptions) -> Result<Self, AccelError> {
-        let Prepared { geometry, surfaces, lights, camera, needs, .. } = prepared;
+        let Prepared { geometry, surfaces, details, lights, camera, needs, .. } = prepared;
         let geometry = Arc::new(geometry);
         let accel = A::build(Arc::clone(&geometry), options)?;
         let light_choice = LightChoice::new(&lights);
         let is_environment = |l: &Light| l.is_infinite() && !l.is_delta();
         let environments = (0..).zip(&lights).filter(|(_, l)| is_environment(l)).map(|(i, _)| i).collect();
-        Ok(Self { geometry, accel, surfaces, lights, environments, light_choice, camera, needs })
+        Ok(Self { geometry, accel, surfaces, details, lights, environments, light_choice, camera, needs })
     }
 
-    /// Follows a ray to the first surface that is not a window, or to `None`; the number of rays it took is added to
-    /// `rays`.
+    /// `follow` for those who want surfaces only: `None` out of the scene.
     #[inline]
-    pub fn arrive(&self, ray: Ray, rays: &mut u64) -> Option<Arrival> {
-        match self.follow(ray, rays) {
+    pub fn arrive(&self, ray: Ray, coins: &mut Coins, rays: &mut u64) -> Option<Arrival> {
+        match self.follow(ray, coins, rays) {
             Reached::Surface(arrival) => Some(arrival),
             Reached::Infinity { .. } => None,
         }
     }
 
-    /// Follows a ray to the first surface that is not a window, or out of the scene; the number of rays it took is added
-    /// to `rays`.
+    /// Follows a ray to the first surface that is there and is not a window, or out of the scene; the number of rays it
+    /// took is added to `rays`. The sample's `coins` decide whether a surface that is partly opaque is there, and which
+    /// part of a blend it is.
     #[inline]
-    pub fn follow(&self, mut ray: Ray, rays: &mut u64) -> Reached {
+    pub fn follow(&self, mut ray: Ray, coins: &mut Coins, rays: &mut u64) -> Reached {
         let mut through_window = false;
         loop {
             *rays += 1;
             let Some(hit) = self.accel.intersect(&ray) else { return Reached::Infinity { through_window } };
-            let at = self.geometry.surface_point(&ray, &hit);
-            let surface = self.surfaces[at.surface as usize];
+            let mut at = self.geometry.surface_point(&ray, &hit);
+            let mut surface = self.surfaces[at.surface as usize];
+            if let Some(detail) = surface.detail {
+                let Some(bsdf) = self.details.resolve(detail, &self.geometry, &hit, &mut at, coins) else {
+                    ray = Ray::new(at.origin(ray.d), ray.d);
+                    continue;
+                };
+                surface.bsdf = bsdf;
+            }
             if self.needs.windows && surface.bsdf == Bsdf::Null {
                 through_window = true;
                 ray = Ray::new(at.origin(ray.d), ray.d);
                 continue;
             }
             return Reached::Surface(Arrival { at, surface, through_window });
+        }
+    }
+
+    /// The fraction of light that passes along a segment whose ends are already off their surfaces, or along a half-line
+    /// toward a light at infinity: 0 or 1, but for surfaces that are partly opaque. The number of rays it took is added
+    /// to `rays`.
+    #[inline]
+    pub fn visibility(&self, ray: &Ray, rays: &mut u64) -> f32 {
+        if self.needs.opacity {
+            return self.transmittance(*ray, rays);
+        }
+        *rays += 1;
+        if self.accel.occluded(ray) { 0.0 } else { 1.0 }
+    }
+
+    /// The product of 1 − opacity over the surfaces along a ray: the probability with which `follow` passes them.
+    #[inline(never)]
+    fn transmittance(&self, mut ray: Ray, rays: &mut u64) -> f32 {
+        let end = ray.tmax.is_finite().then(|| ray.at(ray.tmax));
+        let mut passed = 1.0;
+        loop {
+            *rays += 1;
+            let Some(hit) = self.accel.intersect(&ray) else { return passed };
+            let at = self.geometry.surface_point(&ray, &hit);
+            let Some(detail) = self.surfaces[at.surface as usize].detail else { return 0.0 };
+            passed *= (1.0 - self.details.opacity(detail, &at)).clamp(0.0, 1.0);
+            if passed == 0.0 {
+                return 0.0;
+            }
+            let next = at.origin(ray.d);
+            ray = match end {
+                // What lies within the rounding of the segment's end ends it.
+                Some(end) if (end - next).dot(ray.d) <= 0.0 => return passed,
+                Some(end) => Ray::segment(next, end),
+                None => Ray::new(next, ray.d),
+            };
         }
     }
 }

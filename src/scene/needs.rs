@@ -18,6 +18,8 @@ pub struct SceneNeeds {
     pub delta_surfaces: bool,
     /// Some surface is an index-matched window.
     pub windows: bool,
+    /// Some surface is partly opaque: what lies between two points is more than yes or no.
+    pub opacity: bool,
     /// Some light shines at all.
     pub light: bool,
 }
@@ -32,6 +34,7 @@ impl SceneNeeds {
             connections: any(&|b| b.is_connectible()),
             delta_surfaces: any(&Bsdf::has_delta_lobe),
             windows: any(&|b| matches!(b, Bsdf::Null)),
+            opacity: false,
             light: !lights.is_empty(),
         }
     }

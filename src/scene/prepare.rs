@@ -5,11 +5,11 @@
 //! same bits. Radiance does not change with scale; radiant intensity does, with its square (E = I/r²).
 
 use super::desc::{
-    CameraDesc, Diagnostic, FilterKind, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Place, Projection,
+    CameraDesc, Diagnostic, FilterKind, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Param, Place, Projection,
     SceneDesc, SceneError, ShapeDesc, SurfaceDesc, is_black,
 };
-use super::material::{self, Constants, rgb};
-use super::{SceneNeeds, Surface};
+use super::material::rgb;
+use super::{Details, SceneNeeds, Surface, textures};
 use crate::camera::{Camera, Filter, ThinLens};
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
 use crate::light::{
@@ -17,6 +17,7 @@ use crate::light::{
     SpotLight,
 };
 use crate::math::{DAffine3, DMat3, DVec3, Rgb, Vec3};
+use crate::texture::ToWorld;
 
 /// A scene in render space, before its acceleration structure.
 #[derive(Debug)]
@@ -25,6 +26,8 @@ pub struct Prepared {
     pub geometry: Geometry,
     /// By surface index; delta points have none.
     pub surfaces: Vec<Surface>,
+    /// What varies over surfaces.
+    pub details: Details,
     /// Lights of positive power.
     pub lights: Vec<Light>,
     /// The camera.
@@ -66,7 +69,11 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     }
     let camera = camera(&desc.camera, &camera_to_render)?;
 
-    let mut builder = Builder { to_render, scale, ..Builder::default() };
+    let world = ToWorld { factor: 1.0 / scale, offset: center };
+    let details = Details::new(textures::build(&desc.textures, world), desc.materials.iter().map(|m| &m.kind), scale);
+    let maps = desc.surfaces.iter().any(|s| s.finish.normal_map.is_some() || s.finish.bump_map.is_some());
+    let geometry = Geometry { wants_uv: maps || details.want_uv(), ..Geometry::default() };
+    let mut builder = Builder { to_render, scale, geometry, details, ..Builder::default() };
     for surface in &desc.surfaces {
         builder.add(desc, surface);
     }
@@ -74,7 +81,7 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     for light in &desc.infinite_lights {
         builder.add_infinite(light, ball);
     }
-    let Builder { mut geometry, surfaces, lights, mut warnings, errors, .. } = builder;
+    let Builder { mut geometry, surfaces, models, details, lights, mut warnings, errors, .. } = builder;
     if !errors.is_empty() {
         return Err(SceneError { diagnostics: errors });
     }
@@ -91,8 +98,8 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
             message: "nothing in the scene shines: the image will be black".into(),
         });
     }
-    let needs = SceneNeeds::of(&surfaces, &lights);
-    Ok(Prepared { geometry, surfaces, lights, camera, needs, center, scale, warnings })
+    let needs = SceneNeeds { opacity: details.any_opacity(), ..SceneNeeds::of(&models, &lights) };
+    Ok(Prepared { geometry, surfaces, details, lights, camera, needs, center, scale, warnings })
 }
 
 /// The material of each prepared surface, as an index into the scene's materials: delta points are not among them.
@@ -208,12 +215,18 @@ fn normalization(desc: &SceneDesc, errors: &mut Vec<Diagnostic>) -> (DVec3, f64)
     (0.5 * (lo + hi), scale.exp2())
 }
 
+/// Texture coordinates of a quad's corners.
+const QUAD_UVS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
 /// Collects what surfaces become.
 struct Builder {
     to_render: DAffine3,
     scale: f64,
     geometry: Geometry,
     surfaces: Vec<Surface>,
+    /// Every model that some surface may turn out to be of, each as a surface of its own.
+    models: Vec<Surface>,
+    details: Details,
     lights: Vec<Light>,
     warnings: Vec<Warning>,
     errors: Vec<Diagnostic>,
@@ -226,6 +239,8 @@ impl Default for Builder {
             scale: 1.0,
             geometry: Geometry::default(),
             surfaces: Vec::new(),
+            models: Vec::new(),
+            details: Details::default(),
             lights: Vec::new(),
             warnings: Vec::new(),
             errors: Vec::new(),
@@ -242,19 +257,34 @@ impl Builder {
             return;
         }
         let index = self.surfaces.len() as u32;
-        let emit = Emission { radiance: rgb(material.emit), two_sided: material.emit_two_sided };
+        // Of a textured light a stand-in: `textured` below finds its mean.
+        let (radiance, dark) = match material.emit {
+            Param::Value(c) => (rgb(c), is_black(c)),
+            Param::Texture(i) => {
+                let bound = self.details.texture(i).largest();
+                (bound, bound == Rgb::ZERO)
+            }
+        };
+        let emit = Emission { radiance, two_sided: material.emit_two_sided };
         let light = match &surface.shape {
             ShapeDesc::Quad { size: [w, h] } => {
                 let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
                 let positions: Vec<DVec3> = corners.iter().map(|[x, y]| DVec3::new(x * w, y * h, 0.0)).collect();
-                let triangles =
-                    self.add_triangles(surface, &to_render, &positions, &[], &[[0, 1, 2], [0, 2, 3]], index);
+                let triangles = self.add_triangles(
+                    surface,
+                    &to_render,
+                    &positions,
+                    (&[], &QUAD_UVS),
+                    &[[0, 1, 2], [0, 2, 3]],
+                    index,
+                );
                 self.triangle_light(triangles, emit, index)
             }
             ShapeDesc::Mesh(mesh) => {
                 let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
-                let triangles =
-                    self.add_triangles(surface, &to_render, &positions, &mesh.normals, &mesh.triangles, index);
+                let attributes = (mesh.normals.as_slice(), mesh.uvs.as_slice());
+                let triangles = self.add_triangles(surface, &to_render, &positions, attributes, &mesh.triangles, index);
+                self.check_uvs(surface, material.emit, mesh.uvs.is_empty());
                 self.triangle_light(triangles, emit, index)
             }
             ShapeDesc::Sphere { radius } => {
@@ -265,9 +295,13 @@ impl Builder {
             }
             ShapeDesc::DeltaPoint => None,
         };
-        if light.is_none() && !is_black(material.emit) {
+        if light.is_none() && !dark {
             self.warn(surface, "the light has no area: it emits nothing".into());
         }
+        let light = light.map(|l| match material.emit {
+            Param::Texture(i) => l.textured(&self.geometry, self.details.texture(i).clone()),
+            Param::Value(_) => l,
+        });
         let light = light.map(Light::Area).map(|l| {
             if !l.power().is_finite() {
                 self.errors.push(too_bright(&surface.at));
@@ -275,7 +309,22 @@ impl Builder {
             self.lights.push(l);
             self.lights.len() as u32 - 1
         });
-        self.surfaces.push(Surface { bsdf: material::bsdf(&material.kind, &Constants), light });
+        let detail = self.details.add(surface.material, surface.finish);
+        let models = self.details.models(surface.material);
+        self.surfaces.push(Surface { bsdf: models[0], light, detail });
+        self.models.extend(models.into_iter().map(|bsdf| Surface { bsdf, light, detail }));
+    }
+
+    /// A texture over texture coordinates needs some.
+    fn check_uvs(&mut self, surface: &SurfaceDesc, emit: Param<[f64; 3]>, missing: bool) {
+        let emit = matches!(emit, Param::Texture(i) if self.details.texture(i).needs_uv());
+        if missing && (emit || self.details.follows_uv(surface.material, &surface.finish)) {
+            self.errors.push(Diagnostic {
+                at: surface.at.clone(),
+                message: "an image is laid over this surface, which has no texture coordinates; give its mesh uvs                           (`vt` in OBJ, `u` and `v` in PLY, \"uvs\" inline), or use a checker or marble texture"
+                    .into(),
+            });
+        }
     }
 
     fn warn(&mut self, surface: &SurfaceDesc, message: String) {
@@ -294,7 +343,7 @@ impl Builder {
         surface: &SurfaceDesc,
         to_render: &DAffine3,
         positions: &[DVec3],
-        normals: &[[f32; 3]],
+        (normals, uvs): (&[[f32; 3]], &[[f32; 2]]),
         triangles: &[[u32; 3]],
         index: u32,
     ) -> Vec<u32> {
@@ -315,6 +364,10 @@ impl Builder {
         } else {
             let turned = |n: &[f32; 3]| (inverse_transpose * DVec3::from(n.map(f64::from))).normalize_or_zero();
             self.geometry.normals.extend(normals.iter().map(|n| turned(n).as_vec3a()));
+        }
+        if self.geometry.wants_uv {
+            self.geometry.uvs.extend(uvs);
+            self.geometry.uvs.resize(self.geometry.positions.len(), [0.0; 2]);
         }
         // A mirroring map turns the winding over but not the side that was meant.
         let flip = surface.flip_normals != (to_render.matrix3.determinant() < 0.0);

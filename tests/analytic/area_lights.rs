@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use twinlight::accel::{Accel, AccelOptions, bvh::BvhAccel};
 use twinlight::integrator::{Integrator, Settings};
 use twinlight::math::{DAffine3, DMat3, DVec3, Rgb};
+use twinlight::sampling::Coins;
 use twinlight::scene::Scene;
 
 use crate::common::{
@@ -251,8 +252,8 @@ fn an_ellipsoid_and_its_tessellation() {
 /// Shadow segments that a light's own surface blocks, of those from the receiver to points that face it.
 fn hidden_by_itself<A: Accel>(json: &Value, random: &mut Random) -> usize {
     let scene: Scene<A> = scene_on(json, AccelOptions::default());
-    let arrival =
-        scene.arrive(scene.camera.generate_ray([0, 0], [0.5; 2], [0.5; 2]).ray, &mut 0).expect("the receiver");
+    let ray = scene.camera.generate_ray([0, 0], [0.5; 2], [0.5; 2]).ray;
+    let arrival = scene.arrive(ray, &mut Coins::new(0), &mut 0).expect("the receiver");
     let (at, light) = (&arrival.at, &scene.lights[0]);
     let mut hidden = 0;
     for _ in 0..4000 {

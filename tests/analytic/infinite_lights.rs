@@ -3,12 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use serde_json::{Value, json};
+use twinlight::film::Image;
 use twinlight::integrator::{Integrator, Settings};
-use twinlight::math::{DMat3, DVec3};
+use twinlight::math::{DAffine3, DMat3, DVec3};
+use twinlight::output::{Metadata, write_image};
 use twinlight::scene::desc::{InfiniteLightDesc, InfiniteLightKind, Place};
 
 use crate::common::{
-    Bounds, Budget, DefaultAccel, View, assert_closed, diffuse, expect_colored, facing, images, quad, scene,
+    Bounds, Budget, DefaultAccel, View, assert_closed, diffuse, expect_colored, facing, images, matrix, quad, scene,
     scene_json, settings, sphere,
 };
 
@@ -122,6 +124,23 @@ fn tent(direction: DVec3, [x, y]: [usize; 2]) -> f64 {
     (1.0 - around.min(w - around)).max(0.0) * (1.0 - (v - y as f64).abs()).max(0.0)
 }
 
+/// ∫ L cosθ dω of one texel of radiance 1 at a surface of this normal, in the map's frame, by the midpoint rule over cosθ
+/// and φ.
+fn irradiance(texel: [usize; 2], normal: DVec3) -> f64 {
+    let (rows, columns) = (1000, 2000);
+    let mut integral = 0.0;
+    for i in 0..rows {
+        let y = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(rows);
+        let r = (1.0 - y * y).sqrt();
+        for j in 0..columns {
+            let phi = TAU * (f64::from(j) + 0.5) / f64::from(columns);
+            let d = DVec3::new(r * phi.sin(), y, -r * phi.cos());
+            integral += tent(d, texel) * d.dot(normal).max(0.0);
+        }
+    }
+    integral * 4.0 * PI / f64::from(rows * columns)
+}
+
 /// One lit texel, the poles' rows and the seam's columns included: the radiosity of a plane that faces it, by a quadrature
 /// that knows nothing of the sampling.
 #[test]
@@ -136,19 +155,7 @@ fn one_lit_texel_of_an_environment() {
         let center = DVec3::new(theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos());
         for (m, tilt) in [0.0, 1.2].into_iter().enumerate() {
             let normal = (center * f64::cos(tilt) + center.any_orthonormal_vector() * f64::sin(tilt)).normalize();
-            // ∫ L cosθ dω by the midpoint rule over cosθ and φ of the map.
-            let (rows, columns) = (1000, 2000);
-            let mut integral = 0.0;
-            for i in 0..rows {
-                let y = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(rows);
-                let r = (1.0 - y * y).sqrt();
-                for j in 0..columns {
-                    let phi = TAU * (f64::from(j) + 0.5) / f64::from(columns);
-                    let d = DVec3::new(r * phi.sin(), y, -r * phi.cos());
-                    integral += tent(d, texel) * d.dot(normal).max(0.0);
-                }
-            }
-            integral *= 4.0 * PI / f64::from(rows * columns);
+            let integral = irradiance(texel, normal);
             let (view, wall) = plane(turn * normal);
             let mut desc = twinlight::import::scene_from_str(
                 &scene_json(view.json(), vec![wall], vec![]).to_string(),
@@ -172,6 +179,32 @@ fn one_lit_texel_of_an_environment() {
                 assert_closed(&what, &images, &expected, bounds);
             }
         }
+    }
+}
+
+/// An image read from a file, half of it as a light and half as the background.
+#[test]
+fn an_environment_from_a_file() {
+    let texel = [2, 1];
+    let mut rgb = vec![[0.0; 3]; SIZE[0] * SIZE[1]];
+    rgb[texel[1] * SIZE[0] + texel[0]] = [3.0, 1.0, 2.0];
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("one_texel.exr");
+    let image = Image { width: SIZE[0] as u32, height: SIZE[1] as u32, rgb };
+    write_image(&path, &image, &Metadata::default(), 0.0).expect("writable");
+    let turn = DMat3::from_rotation_z(1.1) * DMat3::from_rotation_y(0.6);
+    let normal = DVec3::new(-0.8, 0.5, 0.1).normalize();
+    let (view, wall) = plane(turn * normal);
+    let sky = |kind: &str, scale: f64| json!({ "type": kind, "filename": path, "scale": scale, "transform": matrix(&DAffine3::from_mat3(turn)) });
+    let mut json = scene_json(view.json(), vec![wall], vec![sky("environment", 0.5)]);
+    json["background"] = sky("image", 1.5);
+    let scene = scene(&json);
+    let expected = expect_colored(&[2.0 * 0.5 / PI * irradiance(texel, normal); 4], [3.0, 1.0, 2.0]);
+    for integrator in INTEGRATORS {
+        let samples = if integrator == Integrator::Light { 1 << 14 } else { 1 << 12 };
+        let images = images(&scene, settings(integrator, 8), Budget::new(samples, 546));
+        let (tile, mean) = if integrator == Integrator::Light { (0.1, 0.03) } else { (0.05, 0.0125) };
+        let bounds = Bounds { rounding: 2e-5, ..Bounds::new([2, 2], tile, mean) };
+        assert_closed(&format!("an environment from a file, {integrator:?}"), &images, &expected, bounds);
     }
 }
 

@@ -126,7 +126,7 @@ const NAMES: &[Scene] = &[
         messages: &[
             "/materials/0/type: unknown material type \"lambertain\"; did you mean \"lambertian\"? allowed: lambertian, \
              mirror, metal, dielectric, diffuse light, point light, spot light, null, conductor, plastic, thin dielectric, phong, \
-             blinnphong, beckmann, oren-nayar",
+             blinnphong, beckmann, oren-nayar, blend",
         ],
     },
     Scene {
@@ -142,7 +142,8 @@ const NAMES: &[Scene] = &[
             "/surfaces/1/type: unknown surface type \"teapot\"; allowed: quad, sphere, disk, triangle, mesh, delta point",
             "/surfaces/1/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
             "/surfaces/1/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, \
-             flip_normals, size, radius, filename, positions, indices, normals, uvs",
+             flip_normals, size, radius, filename, positions, indices, normals, uvs, opacity, \
+             normal_map, bump_map",
         ],
     },
 ];

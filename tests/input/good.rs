@@ -39,7 +39,7 @@ fn a_whole_scene() {
     assert_eq!((scene.integrator.kind, scene.integrator.max_bounces), (IntegratorKind::Path, 5));
     assert_eq!((scene.integrator.russian_roulette, scene.integrator.heuristic), (false, Heuristic::Balance));
     assert_eq!((scene.sampler.kind, scene.sampler.seed), (SamplerKind::Independent, 7));
-    assert_eq!(scene.materials[0].emit, [1.0, 2.0, 3.0]);
+    assert_eq!(scene.materials[0].emit, Param::Value([1.0, 2.0, 3.0]));
     let roughness = [Param::Value(0.0); 2];
     assert_eq!(
         scene.materials[1].kind,
@@ -79,7 +79,7 @@ fn a_point_light_is_the_delta_point_it_stands_for() {
     for scene in [&sugar, &plain] {
         assert!(matches!(scene.surfaces[0].shape, ShapeDesc::DeltaPoint));
         assert_eq!(scene.materials[0].kind, MaterialKind::PointLight { intensity: [4.0, 5.0, 6.0] });
-        assert_eq!(scene.materials[0].emit, [0.0; 3]);
+        assert_eq!(scene.materials[0].emit, Param::Value([0.0; 3]));
     }
     assert_eq!(sugar.surfaces[0].transform, plain.surfaces[0].transform);
 }
@@ -187,5 +187,5 @@ fn models_of_reflection() {
     for (found, wanted) in scene.materials.iter().zip(&wanted) {
         assert_eq!(&found.kind, wanted, "{:?}", found.name);
     }
-    assert_eq!(scene.materials[9].emit, [3.0; 3]);
+    assert_eq!(scene.materials[9].emit, Param::Value([3.0; 3]));
 }

@@ -70,7 +70,7 @@ fn keys() {
         (
             r#"{"camera": {}, «"surface": []}"#,
             "/surface: unknown key \"surface\"; did you mean \"surfaces\"? allowed: camera, integrator, sampler, \
-             image_samples, materials, surfaces, lights",
+             image_samples, background, textures, materials, surfaces, lights",
         ),
         (
             r#"{"camera": {«"vfovv": 40}}"#,
@@ -177,11 +177,11 @@ fn all_mistakes_of_a_file_are_reported_in_its_order() {
             "/surfaces/0/radius: -1 is out of range; allowed: above 0",
             "/surfaces/0/material: no material is named \"glas\"; did you mean \"glass\"? known: glass, broken",
             "/surfaces/1/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, \
-             flip_normals, size",
+             flip_normals, size, opacity, normal_map, bump_map",
             "/materials/0/ior: 0 is out of range; allowed: 0.001 to 1000",
             "/materials/1/type: unknown material type \"lambertain\"; did you mean \"lambertian\"? allowed: lambertian, \
-             mirror, metal, dielectric, diffuse light, point light, spot light, null, conductor, plastic, thin \
-             dielectric, phong, blinnphong, beckmann, oren-nayar",
+             mirror, metal, dielectric, diffuse light, point light, spot light, null, conductor, plastic, thin dielectric, phong, \
+             blinnphong, beckmann, oren-nayar, blend",
             "/camera/vfov: 180 is out of range; allowed: between 0 and 180 degrees",
             "/camera/resolution/0: 0 is out of range; allowed: whole numbers from 1 to 65536",
             "/camera/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
@@ -192,13 +192,13 @@ fn all_mistakes_of_a_file_are_reported_in_its_order() {
 /// A slip in a key's name is one mistake, not a key too many and one too few.
 #[test]
 fn a_slip_in_a_key_is_told_once() {
-    const MATERIAL: &str = "allowed: type, name, albedo, two_sided, emit";
+    const MATERIAL: &str = "allowed: type, name, albedo, two_sided, emit, emit_two_sided";
     const SPOT: &str = "allowed: type, position, at, direction, intensity, inner_angle, outer_angle, falloff";
     for (scene, messages) in [
         (
             r#"{«"camra": {}}"#,
             &["/camra: unknown key \"camra\"; did you mean \"camera\"? allowed: camera, integrator, sampler, \
-               image_samples, materials, surfaces, lights"
+               image_samples, background, textures, materials, surfaces, lights"
                 .to_owned()][..],
         ),
         (
@@ -231,13 +231,13 @@ fn a_slip_in_a_key_is_told_once() {
         (
             r#"{"camera": {}, "surfaces": [{«"tpye": "quad", "material": {"type": "null"}}]}"#,
             &["/surfaces/0/tpye: unknown key \"tpye\"; did you mean \"type\"? allowed: type, transform, material, \
-               flip_normals, size, radius, filename, positions, indices, normals, uvs"
+               flip_normals, size, radius, filename, positions, indices, normals, uvs, opacity, normal_map, bump_map"
                 .to_owned()],
         ),
         (
             r#"{"camera": {}, "surfaces": [{"type": "mesh", «"filname": "a.obj", "material": {"type": "null"}}]}"#,
             &["/surfaces/0/filname: unknown key \"filname\"; did you mean \"filename\"? allowed: type, transform, \
-               material, flip_normals, filename, positions, indices, normals, uvs"
+               material, flip_normals, filename, positions, indices, normals, uvs, opacity, normal_map, bump_map"
                 .to_owned()],
         ),
         (

@@ -3,7 +3,7 @@
 use super::{each, expect_errors, read};
 
 const MATERIALS: &str = "lambertian, mirror, metal, dielectric, diffuse light, point light, spot light, null, conductor, \
-                         plastic, thin dielectric, phong, blinnphong, beckmann, oren-nayar";
+                         plastic, thin dielectric, phong, blinnphong, beckmann, oren-nayar, blend";
 
 #[test]
 fn materials() {
@@ -16,8 +16,8 @@ fn materials() {
                 "/materials/0/albedo/2: -0.1 is out of range; allowed: 0 to 1",
             ),
             (
-                r#""type": "lambertian", "albedo": «{"type": "checker"}"#,
-                "/materials/0/albedo: textures are not supported yet; supported: a number or an array of numbers",
+                r#""type": "point light", "emit": «{"type": "checker"}"#,
+                "/materials/0/emit: no texture can stand here; allowed: a number or an array of numbers",
             ),
             (r#""type": "mirror", "albedo": «2"#, "/materials/0/albedo: 2 is out of range; allowed: 0 to 1"),
             (r#""type": "metal", "roughness": «-1"#, "/materials/0/roughness: -1 is out of range; allowed: 0 to 1"),
@@ -55,7 +55,7 @@ fn materials() {
             ),
             (
                 r#""type": "beckmann", "albedo": 1, «"ab": 0.1"#,
-                "/materials/0/ab: unknown key \"ab\"; allowed: type, name, albedo, fresnel, eta, k, roughness, masking, two_sided, emit",
+                "/materials/0/ab: unknown key \"ab\"; allowed: type, name, albedo, fresnel, eta, k, roughness, masking, two_sided, emit, emit_two_sided",
             ),
             (
                 r#""type": "plastic", "albedo": 1, "ior": «0.9"#,
@@ -90,12 +90,12 @@ fn materials() {
                 "/materials/0/emit/1: -1 is out of range; allowed: 0 to 3.4e38",
             ),
             (
-                r#""type": "diffuse light", "emit": 1, "two_sided": «true"#,
-                "/materials/0/two_sided: emission on both sides is not supported yet; supported: false",
+                r#""type": "diffuse light", "emit": 1, "two_sided": «1"#,
+                "/materials/0/two_sided: expected true or false, found the number 1",
             ),
             (
-                r#""type": "mirror", "emit": 1, "emit_two_sided": «true"#,
-                "/materials/0/emit_two_sided: emission on both sides is not supported yet; supported: false",
+                r#""type": "mirror", "emit": 1, "emit_two_sided": «"yes""#,
+                "/materials/0/emit_two_sided: expected true or false, found the string \"yes\"",
             ),
             (
                 r#""type": "null", "emit": «1"#,
@@ -103,21 +103,20 @@ fn materials() {
             ),
             (
                 r#""type": "mirror", «"opacity": 1"#,
-                "/materials/0/opacity: \"opacity\" is not supported yet; supported here: type, name, albedo, emit",
+                "/materials/0/opacity: unknown key \"opacity\"; allowed: type, name, albedo, emit, emit_two_sided",
             ),
-            // Keys that take nothing but their default are no advice.
             (
                 r#""type": "metal", «"color": 1"#,
-                "/materials/0/color: unknown key \"color\"; allowed: type, name, albedo, roughness, emit",
+                "/materials/0/color: unknown key \"color\"; allowed: type, name, albedo, roughness, emit, emit_two_sided",
             ),
             (
                 r#""type": "diffuse light", "emit": 1, «"color": 1"#,
-                "/materials/0/color: unknown key \"color\"; allowed: type, name, emit",
+                "/materials/0/color: unknown key \"color\"; allowed: type, name, emit, two_sided",
             ),
             // A slip in one is told all the same.
             (
                 r#""type": "metal", «"rougness": 1"#,
-                "/materials/0/rougness: unknown key \"rougness\"; did you mean \"roughness\"? allowed: type, name, albedo, roughness, emit",
+                "/materials/0/rougness: unknown key \"rougness\"; did you mean \"roughness\"? allowed: type, name, albedo, roughness, emit, emit_two_sided",
             ),
         ],
     );
@@ -148,10 +147,6 @@ fn materials() {
             &[&format!("/materials/0: {missing} is missing")],
         );
     }
-    expect_errors(
-        r#"{"camera": {}, "materials": [{"name": "m", "type": «"blend", "albedo": 1}]}"#,
-        &[&format!("/materials/0/type: material type \"blend\" is not supported yet; supported: {MATERIALS}")],
-    );
 }
 
 #[test]
@@ -189,16 +184,8 @@ fn surfaces() {
                 "/surfaces/0/flip_normals: expected true or false, found the string \"yes\"",
             ),
             (
-                r#""type": "quad", «"opacity": 0.5"#,
-                "/surfaces/0/opacity: \"opacity\" is not supported yet; supported here: type, transform, material, flip_normals, size",
-            ),
-            (
-                r#""type": "quad", «"normal_map": "n.png""#,
-                "/surfaces/0/normal_map: \"normal_map\" is not supported yet; supported here: type, transform, material, flip_normals, size",
-            ),
-            (
                 r#""type": "quad", «"radius": 1"#,
-                "/surfaces/0/radius: unknown key \"radius\"; allowed: type, transform, material, flip_normals, size",
+                "/surfaces/0/radius: unknown key \"radius\"; allowed: type, transform, material, flip_normals, size, opacity, normal_map, bump_map",
             ),
         ],
     );
@@ -230,7 +217,7 @@ fn a_mistake_in_the_type_hides_no_other() {
         &[
             &format!("/surfaces/0/type: unknown surface type \"qaud\"; did you mean \"quad\"? allowed: {SURFACES}"),
             "/surfaces/0/size/1: 0 is out of range; allowed: above 0",
-            "/surfaces/0/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, flip_normals, size",
+            "/surfaces/0/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, flip_normals, size, opacity, normal_map, bump_map",
             "/surfaces/0/transform: the transform is singular: it flattens space; allowed: matrices with an inverse",
             "/surfaces/0/flip_normals: expected true or false, found the number 1",
             &format!(
@@ -245,12 +232,12 @@ fn a_mistake_in_the_type_hides_no_other() {
         r#"{"camera": {}, "materials": [
             «{"type": «"velvet", "albedo": «2, «"fluff": 1}, ««{"albedo": 0, "emit": «-1}, {"type": «3, "name": «4}],
            "surfaces": [«{"type": «"teapot", "flip_normals": «0}, «{"material": «"none", "transform": «1}],
-           "lights": [«{"type": «"sun", "position": «"up"}]}"#,
+           "lights": [{"type": «"sun", "position": «"up"}]}"#,
         &[
             "/materials/0: \"name\" is missing",
             &format!("/materials/0/type: unknown material type \"velvet\"; allowed: {MATERIALS}"),
             "/materials/0/albedo: 2 is out of range; allowed: 0 to 1",
-            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, ior, transmittance, inner_angle, outer_angle, falloff, roughness, eta, k, fresnel, masking, nonlinear, exponent, sigma",
+            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, emit_two_sided, ior, transmittance, inner_angle, outer_angle, falloff, a, b, amount, roughness, eta, k, fresnel, masking, nonlinear, exponent, sigma",
             "/materials/1: \"type\" is missing",
             "/materials/1: \"name\" is missing",
             "/materials/1/emit: -1 is out of range; allowed: 0 to 3.4e38",
@@ -262,8 +249,7 @@ fn a_mistake_in_the_type_hides_no_other() {
             "/surfaces/1: \"type\" is missing",
             "/surfaces/1/material: no material is named \"none\"; there are no named materials",
             "/surfaces/1/transform: expected an object or an array of objects, found the number 1",
-            "/lights/0: \"intensity\" is missing",
-            "/lights/0/type: unknown light type \"sun\"; allowed: point, spot",
+            "/lights/0/type: unknown light type \"sun\"; allowed: point, spot, directional, constant, environment",
             "/lights/0/position: expected an array of 3 numbers, or one number for all, found the string \"up\"",
         ],
     );
@@ -287,7 +273,7 @@ fn a_mistake_in_the_type_hides_no_other() {
         &[
             "/camera/transform: \"at\" and \"to\" mean the same; give one of them",
             "/camera/transform/from: expected an array of 3 numbers, or one number for all, found the string \"here\"",
-            "/background/type: unknown background type \"constnat\"; did you mean \"constant\"? allowed: constant",
+            "/background/type: unknown background type \"constnat\"; did you mean \"constant\"? allowed: constant, image",
             "/background/color: -1 is out of range; allowed: 0 to 3.4e38",
             "/lights/0/position: expected an array of 3 numbers, or one number for all, found the string \"here\"",
             "/lights/0/at: expected an array of 3 numbers, or one number for all, found the string \"there\"",
@@ -379,41 +365,15 @@ fn lights() {
         r#"{"camera": {}, "lights": [{"type": "spot", "position": 0, "direction": 1, "intensity": 1, "inner_angle": «3, "outer_angle": 2}]}"#,
         &["/lights/0/inner_angle: inner_angle 3 exceeds outer_angle 2; allowed: at most as large"],
     );
-    for later in ["directional", "constant", "environment"] {
-        expect_errors(
-            &format!(r#"{{"camera": {{}}, "lights": [{{"type": «"{later}"}}]}}"#),
-            &[&format!("/lights/0/type: light type \"{later}\" is not supported yet; supported: point, spot")],
-        );
-    }
 }
 
 #[test]
 fn what_is_not_supported_yet() {
     each(
         r#"{"camera": {}, @}"#,
-        &[
-            (r#""background": «1"#, "/background: a background that shines is not supported yet; supported: 0 (black)"),
-            (
-                r#""background": «[0, 0, 1]"#,
-                "/background: a background that shines is not supported yet; supported: 0 (black)",
-            ),
-            (
-                r#""background": «{"type": "constant", "color": 1}"#,
-                "/background: a background that shines is not supported yet; supported: 0 (black)",
-            ),
-            (
-                r#""background": {"type": «"image", "filename": "sky.exr"}"#,
-                "/background/type: background type \"image\" is not supported yet; supported: constant",
-            ),
-            (r#""background": «-1"#, "/background: -1 is out of range; allowed: 0 to 3.4e38"),
-            (
-                r#""textures": «[{"name": "t"}]"#,
-                "/textures: textures are not supported yet; supported: numbers and colours",
-            ),
-            (
-                r#""media": [{}], "surfaces": [{"type": "quad", "material": {"type": "mirror"}, «"medium": "fog"}]"#,
-                "/surfaces/0/medium: \"medium\": participating media are not supported; supported here: type, transform, material, flip_normals, size",
-            ),
-        ],
+        &[(
+            r#""media": [{}], "surfaces": [{"type": "quad", "material": {"type": "mirror"}, «"medium": "fog"}]"#,
+            "/surfaces/0/medium: \"medium\": participating media are not supported; supported here: type, transform, material, flip_normals, size, opacity, normal_map, bump_map",
+        )],
     );
 }

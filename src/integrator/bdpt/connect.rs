@@ -113,9 +113,9 @@ impl Bdpt {
         let Some(y) = light.sample_direct(&scene.geometry, z.at.p(), part, sampler.next_2d()) else { return };
         let (pdf_direct, pmf) = ((y.pdf * pmf).0, choice.pmf_emission(id));
         let Some(value) = self.evaluate_next_event(scene, light, &y.point, pdf_direct, pmf, z) else { return };
-        recorder.rays.shadow += 1;
-        if !scene.accel.occluded(&y.point.shadow_ray(&z.at)) {
-            recorder.add(1, z.number, value);
+        let visible = scene.visibility(&y.point.shadow_ray(&z.at), &mut recorder.rays.shadow);
+        if visible > 0.0 {
+            recorder.add(1, z.number, value * visible);
         }
     }
 
@@ -160,9 +160,10 @@ impl Bdpt {
             }
             let Some(value) = self.evaluate_connection(y, z) else { continue };
             let wi = y.at.p() - z.at.p();
-            recorder.rays.connection += 1;
-            if !scene.accel.occluded(&Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()))) {
-                recorder.add(y.number, z.number, value);
+            let segment = Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()));
+            let visible = scene.visibility(&segment, &mut recorder.rays.connection);
+            if visible > 0.0 {
+                recorder.add(y.number, z.number, value * visible);
             }
         }
     }
@@ -204,9 +205,9 @@ impl Bdpt {
         }
         let numbers = lens_numbers(&scene.camera, sampler, y.number);
         let Some((lens, value)) = self.evaluate_lens(scene, y, &numbers) else { return };
-        recorder.rays.lens += 1;
-        if !scene.accel.occluded(&Ray::segment(y.at.origin(lens.wi), lens.p)) {
-            recorder.splat(y.number, 1, lens.pixel, value);
+        let visible = scene.visibility(&Ray::segment(y.at.origin(lens.wi), lens.p), &mut recorder.rays.lens);
+        if visible > 0.0 {
+            recorder.splat(y.number, 1, lens.pixel, value * visible);
         }
     }
 
@@ -245,9 +246,9 @@ impl Bdpt {
         }
         let numbers = lens_numbers(&scene.camera, sampler, 1);
         let Some((lens, value)) = self.evaluate_light_in_lens(scene, light, y, pdf_position, &numbers) else { return };
-        recorder.rays.lens += 1;
-        if !scene.accel.occluded(&Ray::segment(y.origin(lens.wi), lens.p)) {
-            recorder.splat(1, 1, lens.pixel, value);
+        let visible = scene.visibility(&Ray::segment(y.origin(lens.wi), lens.p), &mut recorder.rays.lens);
+        if visible > 0.0 {
+            recorder.splat(1, 1, lens.pixel, value * visible);
         }
     }
 

@@ -17,6 +17,7 @@ impl Bdpt {
     /// Traces a light subpath, connects its vertices to the camera and keeps those that can be connected to.
     pub(super) fn walk_light<A: Accel>(&mut self, scene: &Scene<A>, mut sampler: Sampler, recorder: &mut Recorder) {
         let Some(choice) = &scene.light_choice else { return };
+        let mut coins = sampler.coins();
         recorder.rays.light_paths += 1;
         let (id, pmf) = choice.sample_emission(sampler.next_f64());
         let light = &scene.lights[id as usize];
@@ -43,7 +44,7 @@ impl Bdpt {
         let mut departure: Option<Departure> = None;
         let mut number = 2;
         while number - 1 <= self.settings.max_bounces {
-            let Some(arrival) = scene.arrive(ray, &mut recorder.rays.light) else { return };
+            let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light) else { return };
             let at = arrival.at;
             let wo = -ray.d;
             let cos_in = f64::from(wo.dot(at.ng).abs());
@@ -100,6 +101,7 @@ impl Bdpt {
         if !scene.needs.light {
             return;
         }
+        let mut coins = sampler.coins();
         let primary = camera_ray(&scene.camera, pixel, &mut sampler);
         let mut ray = primary.ray;
         let mut from = ray.o;
@@ -109,7 +111,7 @@ impl Bdpt {
         let mut number = 2;
         loop {
             let wo = -ray.d;
-            let arrival = match scene.follow(ray, &mut recorder.rays.camera) {
+            let arrival = match scene.follow(ray, &mut coins, &mut recorder.rays.camera) {
                 Reached::Surface(arrival) => arrival,
                 Reached::Infinity { through_window } => {
                     if !scene.environments.is_empty() {

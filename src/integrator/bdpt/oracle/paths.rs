@@ -102,8 +102,9 @@ struct Walk {
 /// Walks on from a ray, keeping every vertex.
 fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &mut Sampler, longest: usize) -> Walk {
     let mut out = Walk { vertices: Vec::new(), escape: None };
+    let mut coins = sampler.coins();
     while out.vertices.len() < longest {
-        let arrival = match scene.follow(ray, &mut 0) {
+        let arrival = match scene.follow(ray, &mut coins, &mut 0) {
             Reached::Surface(arrival) => arrival,
             Reached::Infinity { through_window } => {
                 out.escape = Some((ray.d, through_window));
@@ -124,7 +125,8 @@ fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &m
     out
 }
 
-/// An open box with an area light, a spot and a point light, a sky and a sun, a mirror, something that shines within glass, a glass sphere, a curved mesh and a window.
+/// An open box with an area light, a spot and a point light, a sky and a sun, a mirror, something that shines within
+/// glass, a glass sphere, a curved mesh, a window, a blend of mirror and diffuse, and a wall of bent normals.
 const SCENE: &str = r#"{
  "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], @},
  "materials": [
@@ -133,14 +135,17 @@ const SCENE: &str = r#"{
   {"name": "glass", "type": "dielectric", "ior": 1.6},
   {"name": "mirror", "type": "mirror", "albedo": 0.9},
   {"name": "window", "type": "null"},
+  {"name": "worn", "type": "blend", "a": "white", "b": {"type": "mirror", "albedo": 0.8},
+   "amount": {"type": "checker", "scale": 9, "even": 0.2, "odd": 0.7}},
   {"name": "lamp", "type": "diffuse light", "emit": [6, 5, 4]}
  ],
  "surfaces": [
-  {"type": "quad", "size": 4, "transform": {"translate": [0, 0, -1.5]}, "material": "white"},
+  {"type": "quad", "size": 4, "transform": {"translate": [0, 0, -1.5]}, "material": "white",
+   "normal_map": {"type": "checker", "scale": 5, "even": [0.65, 0.45, 0.95], "odd": [0.4, 0.6, 0.95]}},
   {"type": "quad", "size": 4, "transform": [{"rotate": [-90, 1, 0, 0]}, {"translate": [0, -1.2, 0]}], "material": "glow"},
   {"type": "quad", "size": 4, "transform": [{"rotate": [90, 1, 0, 0]}, {"translate": [0, 1.4, 0]}], "material": "white"},
   {"type": "quad", "size": 4, "transform": [{"rotate": [90, 0, 1, 0]}, {"translate": [-1.6, 0, 0]}], "material": "mirror"},
-  {"type": "quad", "size": 4, "transform": [{"rotate": [-90, 0, 1, 0]}, {"translate": [1.6, 0, 0]}], "material": "white"},
+  {"type": "quad", "size": 4, "transform": [{"rotate": [-90, 0, 1, 0]}, {"translate": [1.6, 0, 0]}], "material": "worn"},
   {"type": "sphere", "radius": 0.5, "transform": {"translate": [0.5, -0.4, 0.3]}, "material": "glass"},
   {"type": "sphere", "radius": 0.2, "transform": {"translate": [0.5, -0.4, 0.3]}, "material": "glow"},
   {"type": "quad", "size": 1.2, "transform": {"translate": [-0.6, 0.2, 0.4]}, "material": "window"},
