@@ -165,6 +165,42 @@ fn sheets_take_away_their_opacity_by_every_integrator() {
     }
 }
 
+/// Light from infinity through a black shell that is half there, and out of it again to the camera: a diffuse ball under a
+/// sky and a sun has a quarter of what it would have. Shadow rays toward infinity have no end.
+#[test]
+fn a_shell_around_all_quarters_light_from_infinity() {
+    let (sky, sun) = ([1.0, 0.5, 2.0], [4.0, 1.0, 3.0]);
+    let view = View { from: DVec3::Z * 1.9, at: DVec3::ZERO, up: DVec3::Y, vfov: 40.0, resolution: [2, 2] };
+    let toward = DVec3::new(0.3, 0.2, 1.0).normalize();
+    let mut shell = sphere(DVec3::ZERO, 1.3, false, diffuse(0.0));
+    shell["opacity"] = json!(0.5);
+    let lights = vec![
+        json!({ "type": "constant", "radiance": sky }),
+        json!({ "type": "directional", "direction": point(-toward), "irradiance": sun }),
+    ];
+    let scene = scene(&scene_json(view.json(), vec![sphere(DVec3::ZERO, 1.0, false, diffuse(0.6)), shell], lights));
+    let by_channel = [0, 1, 2].map(|c| {
+        view.tile_means([2, 2], 64, |d| {
+            let b = d.dot(view.from);
+            let n = view.from + d * (-b - (b * b - view.from.length_squared() + 1.0).sqrt());
+            0.25 * 0.6 * (sky[c] + sun[c] / PI * n.dot(toward).max(0.0))
+        })
+    });
+    let expected: Vec<f64> = (0..4).flat_map(|tile| [0, 1, 2].map(|c| by_channel[c][tile])).collect();
+    for (n, integrator) in INTEGRATORS.into_iter().enumerate() {
+        // Light tracing is not aimed at the view.
+        let (more, tile, mean) = match integrator {
+            Integrator::Path => (2, 0.05, 0.025),
+            Integrator::Light => (4, 0.12, 0.04),
+            Integrator::Bdpt => (4, 0.05, 0.025),
+        };
+        let budget = Budget::new(more * samples(integrator), 435 + n as u64);
+        let images = images(&scene, settings(integrator, 4), budget);
+        let bounds = Bounds::new([2, 2], tile, mean);
+        assert_closed(&format!("a shell around all, {integrator:?}"), &images, &expected, bounds);
+    }
+}
+
 /// A lamp seen through a sheet: technique s = 0, and the light's own start for the others.
 #[test]
 fn a_sheet_before_a_lamp_halves_it() {
