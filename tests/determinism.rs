@@ -17,7 +17,7 @@ use common::{
 
 const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Light, Integrator::Bdpt];
 
-/// A bit of everything: two kinds of lights, glass, a mirror, diffuse surfaces; tiles that do not fill up.
+/// A bit of everything: two kinds of lights, glass, a mirror, diffuse surfaces, a cut-out blend; tiles that do not fill up.
 fn everything() -> Value {
     let view = View {
         from: DVec3::new(0.2, 0.4, 2.6),
@@ -26,9 +26,13 @@ fn everything() -> Value {
         vfov: 50.0,
         resolution: [37, 21],
     };
+    let blend = json!({ "type": "blend", "a": diffuse(0.8), "b": { "type": "mirror" }, "amount": 0.3 });
+    let mut screen = quad(&facing(DVec3::new(-0.2, 0.3, 0.6), DVec3::Z), [0.5; 2], blend);
+    screen["opacity"] = json!(0.6);
     scene_json(
         view.json(),
         vec![
+            screen,
             quad(&facing(DVec3::new(0.0, -1.0, 0.0), DVec3::Y), [4.0; 2], diffuse(0.7)),
             quad(&facing(DVec3::new(0.0, 0.0, -1.5), DVec3::Z), [4.0; 2], diffuse(vec![0.7, 0.3, 0.2])),
             quad(&facing(DVec3::new(0.3, 1.5, 0.0), -DVec3::Y), [0.8; 2], shining(8.0)),

@@ -73,7 +73,9 @@ fn the_textured_integrating_sphere() {
     });
     let expected: Vec<f64> = (0..4).flat_map(|tile| [0, 1, 2].map(|c| by_channel[c][tile])).collect();
     for (n, integrator) in INTEGRATORS.into_iter().enumerate() {
-        let images = images(&scene, settings(integrator, 64), Budget::new(samples(integrator), 400 + n as u64));
+        let fewer = if integrator == Integrator::Light { 1 } else { 2 };
+        let budget = Budget::new(samples(integrator) / fewer, 400 + n as u64);
+        let images = images(&scene, settings(integrator, 64), budget);
         // The midpoint rule misses the pattern's edges by about a 256th of a pixel's width.
         let bounds = Bounds { rounding: 1e-3, ..Bounds::new([2, 2], 0.02, 0.01) };
         assert_closed(&format!("textured integrating sphere, {integrator:?}"), &images, &expected, bounds);
@@ -86,19 +88,15 @@ fn a_blend_reflects_what_its_parts_do_in_the_mean() {
     let view = inside();
     let light = json!({ "type": "point", "position": point(DVec3::ZERO), "intensity": PI });
     let blend = |a: Value, b: Value, amount: f64| json!({ "type": "blend", "a": a, "b": b, "amount": amount });
-    // 0.75·0.3 + 0.25·0.7, and the same by way of a blend within a blend.
-    for (name, material) in [
-        ("plain", blend(diffuse(0.3), diffuse(0.7), 0.25)),
-        ("nested", blend(blend(diffuse(0.1), diffuse(0.5), 0.5), blend(diffuse(0.7), diffuse(0.0), 0.0), 0.25)),
-    ] {
-        let scene =
-            scene(&scene_json(view.json(), vec![sphere(DVec3::ZERO, 1.0, true, material)], vec![light.clone()]));
-        for (n, integrator) in INTEGRATORS.into_iter().enumerate() {
-            let images = images(&scene, settings(integrator, 64), Budget::new(samples(integrator), 410 + n as u64));
-            let expected = expect_colored(&[0.4 / 0.6; 4], [1.0; 3]);
-            let what = format!("{name} blend, {integrator:?}");
-            assert_closed(&what, &images, &expected, Bounds::new([2, 2], 0.03, 0.01));
-        }
+    // 0.75·0.3 + 0.25·0.7, the first by way of another blend, the second of one that is all its first part.
+    let material = blend(blend(diffuse(0.1), diffuse(0.5), 0.5), blend(diffuse(0.7), diffuse(0.0), 0.0), 0.25);
+    let scene = scene(&scene_json(view.json(), vec![sphere(DVec3::ZERO, 1.0, true, material)], vec![light]));
+    for (n, integrator) in INTEGRATORS.into_iter().enumerate() {
+        let fewer = if integrator == Integrator::Bdpt { 1 } else { 2 };
+        let budget = Budget::new(samples(integrator) / fewer, 410 + n as u64);
+        let images = images(&scene, settings(integrator, 64), budget);
+        let expected = expect_colored(&[0.4 / 0.6; 4], [1.0; 3]);
+        assert_closed(&format!("blend, {integrator:?}"), &images, &expected, Bounds::new([2, 2], 0.03, 0.01));
     }
 }
 
@@ -164,6 +162,42 @@ fn sheets_take_away_their_opacity_by_every_integrator() {
         let images = images(&scene, settings(integrator, 4), Budget::new(samples(integrator), 430 + n as u64));
         let what = format!("sheets, {integrator:?}");
         assert_closed(&what, &images, &expect_colored(&expected, [1.0; 3]), Bounds::new([2, 2], 0.05, 0.025));
+    }
+}
+
+/// Light from infinity through a black shell that is half there, and out of it again to the camera: a diffuse ball under a
+/// sky and a sun has a quarter of what it would have. Shadow rays toward infinity have no end.
+#[test]
+fn a_shell_around_all_quarters_light_from_infinity() {
+    let (sky, sun) = ([1.0, 0.5, 2.0], [4.0, 1.0, 3.0]);
+    let view = View { from: DVec3::Z * 1.9, at: DVec3::ZERO, up: DVec3::Y, vfov: 40.0, resolution: [2, 2] };
+    let toward = DVec3::new(0.3, 0.2, 1.0).normalize();
+    let mut shell = sphere(DVec3::ZERO, 1.3, false, diffuse(0.0));
+    shell["opacity"] = json!(0.5);
+    let lights = vec![
+        json!({ "type": "constant", "radiance": sky }),
+        json!({ "type": "directional", "direction": point(-toward), "irradiance": sun }),
+    ];
+    let scene = scene(&scene_json(view.json(), vec![sphere(DVec3::ZERO, 1.0, false, diffuse(0.6)), shell], lights));
+    let by_channel = [0, 1, 2].map(|c| {
+        view.tile_means([2, 2], 64, |d| {
+            let b = d.dot(view.from);
+            let n = view.from + d * (-b - (b * b - view.from.length_squared() + 1.0).sqrt());
+            0.25 * 0.6 * (sky[c] + sun[c] / PI * n.dot(toward).max(0.0))
+        })
+    });
+    let expected: Vec<f64> = (0..4).flat_map(|tile| [0, 1, 2].map(|c| by_channel[c][tile])).collect();
+    for (n, integrator) in INTEGRATORS.into_iter().enumerate() {
+        // Light tracing is not aimed at the view.
+        let (more, tile, mean) = match integrator {
+            Integrator::Path => (2, 0.05, 0.025),
+            Integrator::Light => (4, 0.12, 0.04),
+            Integrator::Bdpt => (4, 0.05, 0.025),
+        };
+        let budget = Budget::new(more * samples(integrator), 435 + n as u64);
+        let images = images(&scene, settings(integrator, 4), budget);
+        let bounds = Bounds::new([2, 2], tile, mean);
+        assert_closed(&format!("a shell around all, {integrator:?}"), &images, &expected, bounds);
     }
 }
 
@@ -240,7 +274,7 @@ fn a_bumped_ramp_shades_as_the_tilted_plane_would() {
 
 /// What a surface turns out to be where the camera looks.
 fn model(surface: Value) -> (Bsdf, SurfacePoint) {
-    let view = View { from: DVec3::new(0.1, 0.2, 2.0), at: DVec3::new(0.1, 0.2, 0.0), ..inside() };
+    let view = View { from: DVec3::new(0.1, 0.2, 2.0), at: DVec3::new(0.1, 0.2, 0.0), vfov: 20.0, ..inside() };
     let scene = scene(&scene_json(view.json(), vec![surface], vec![point_light(DVec3::Z * 4.0)]));
     let ray = scene.camera.generate_ray([0, 0], [0.5; 2], [0.5; 2]).ray;
     let arrival = scene.arrive(ray, &mut Coins::new(0), &mut 0).expect("a surface");

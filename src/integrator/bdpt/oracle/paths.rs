@@ -136,7 +136,7 @@ const SCENE: &str = r#"{
   {"name": "mirror", "type": "mirror", "albedo": 0.9},
   {"name": "window", "type": "null"},
   {"name": "worn", "type": "blend", "a": "white", "b": {"type": "mirror", "albedo": 0.8},
-   "amount": {"type": "checker", "scale": 9, "even": 0.2, "odd": 0.7}},
+   "amount": {"type": "checker", "scale": 9, "even": 0.05, "odd": 0.15}},
   {"name": "lamp", "type": "diffuse light", "emit": [6, 5, 4]}
  ],
  "surfaces": [
