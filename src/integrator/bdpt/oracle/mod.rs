@@ -305,6 +305,7 @@ struct Seen {
     paths: u64,
     techniques: u64,
     with_delta: u64,
+    techniques_with_delta: u64,
     /// Techniques whose identity is off by more than 1e-4 next to a delta vertex.
     tail: u64,
     worst_sum: f64,
@@ -329,6 +330,7 @@ impl Seen {
         seen.paths = 1;
         seen.techniques = verdicts.len() as u64;
         seen.with_delta = u64::from(delta);
+        seen.techniques_with_delta = if delta { seen.techniques } else { 0 };
         let mut require = |holds: bool, what: &str| {
             if !holds && seen.failure.is_none() {
                 seen.failure = Some(format!("{what}: {verdicts:?} on {path:?}"));
@@ -366,6 +368,7 @@ impl Seen {
             paths: self.paths + o.paths,
             techniques: self.techniques + o.techniques,
             with_delta: self.with_delta + o.with_delta,
+            techniques_with_delta: self.techniques_with_delta + o.techniques_with_delta,
             tail: self.tail + o.tail,
             worst_sum: self.worst_sum.max(o.worst_sum),
             worst_weight: self.worst_weight.max(o.worst_weight),
@@ -425,7 +428,8 @@ fn weights_partition_unity_and_every_technique_measures_the_same() {
             panic!("{failure}");
         }
         assert!(seen.with_delta > seen.paths / 20 && seen.techniques > 2 * seen.paths, "{seen:?}");
-        assert!(seen.tail * 1000 < seen.techniques, "{seen:?}");
+        // A matter of how many edges are short or grazing, whatever share of the paths has delta vertices.
+        assert!(seen.tail * 400 < seen.techniques_with_delta, "{seen:?}");
         paths += seen.paths;
     }
     assert!(paths >= 1_000_000, "only {paths} paths");
