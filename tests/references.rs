@@ -154,3 +154,8 @@ fn spot_light() {
 fn glass_and_mirror() {
     check("glass", 1.5e-4, &[(PathTracer, 24), (Bdpt, 4)]);
 }
+
+#[test]
+fn glossy_blocks() {
+    check("glossy", 1.5e-4, &[(PathTracer, 8), (Bdpt, 6), (Light, 16)]);
+}
