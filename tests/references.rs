@@ -157,5 +157,5 @@ fn glass_and_mirror() {
 
 #[test]
 fn glossy_blocks() {
-    check("glossy", 1.5e-4, &[(PathTracer, 8), (Bdpt, 6), (Light, 16)]);
+    check("glossy", 1.5e-4, &[(PathTracer, 6), (Bdpt, 4), (Light, 10)]);
 }
