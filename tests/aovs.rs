@@ -82,6 +82,12 @@ fn first_surfaces_are_what_they_are_known_to_be() {
     // A pixel's mean; the samples are stratified.
     assert!((depth[0] - 26.0).abs() < 0.4, "{depth:?}");
     assert!((depth[2] - 28.0).abs() < 1e-4 && depth[3] == f32::INFINITY, "{depth:?}");
+    // From far away the film stands closer than the camera does: depths are the camera's.
+    let mut far = still_life();
+    far["camera"]["transform"] = json!({ "from": [20, 0, 10_030], "at": [20, 0, 0] });
+    let far = of_scene(&far, &[Aov::Depth], 1);
+    let far = floats(&far, "depth.Z")[2];
+    assert!((far - 10_028.0).abs() < 0.01, "{far}");
     assert_eq!(ids(&aovs, "material.id"), [1, 1, 2, 0]);
     let primitive = ids(&aovs, "primitive.id");
     assert!((1..=2).contains(&primitive[0]) && (3..=4).contains(&primitive[2]) && primitive[3] == 0, "{primitive:?}");

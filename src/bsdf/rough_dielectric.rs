@@ -34,7 +34,9 @@ struct Scattering {
 /// by α|η − 1|, and half vectors of directions in f32 are known to 6e-8/|η − 1|.
 pub(super) fn rough(ior: f32, alpha: [f32; 2]) -> Option<[f32; 2]> {
     let alpha = microfacet::rough(alpha)?;
-    (alpha[0].min(alpha[1]) * (ior.max(1.0 / ior) - 1.0) >= 1e-5).then_some(alpha)
+    let bend = ior.max(1.0 / ior) - 1.0;
+    // As everywhere, a direction that is too narrow beside a wide one is widened.
+    (alpha[0].max(alpha[1]) * bend >= 1e-5).then(|| alpha.map(|a| a.max(1e-5 / bend)))
 }
 
 impl RoughDielectric {

@@ -34,6 +34,8 @@ pub struct Camera {
     /// 1 / area of a pixel on that film.
     inverse_pixel_area: f32,
     projection: Projection,
+    /// How far before its own place the film of parallel rays stands.
+    closer: f32,
     filter: Filter,
 }
 
@@ -134,6 +136,7 @@ impl Camera {
         let distance = -to_render.translation.dot(forward);
         let closer = (distance - FARTHEST_FILM).max(0.0);
         camera.position = (to_render.translation + forward * closer).as_vec3a();
+        camera.closer = closer as f32;
         camera
     }
 
@@ -163,6 +166,7 @@ impl Camera {
             height,
             inverse_pixel_area: 1.0,
             projection: Projection::Pinhole,
+            closer: 0.0,
             filter: Filter::Pixel,
         };
         (camera, scales)
@@ -178,6 +182,11 @@ impl Camera {
     /// Full image size in pixels, width and height.
     pub fn resolution(&self) -> [u32; 2] {
         [self.width, self.height]
+    }
+
+    /// Distance of `p` along the optical axis from the camera's place, for a ray that starts at `from`.
+    pub fn depth(&self, from: Vec3, p: Vec3) -> f32 {
+        (p - from).dot(self.forward) + self.closer
     }
 
     /// The unit optical axis.

@@ -139,7 +139,7 @@ pub fn read(path: &Path, space: ColorSpace) -> Result<Decoded, DecodeError> {
     file.seek(SeekFrom::Start(0)).map_err(io)?;
     let file = BufReader::new(file);
     let Some(kind) = kind_of_magic(magic) else {
-        return Err(error("it is neither an EXR nor a PNG image; convert it to one of them".to_owned()));
+        return Err(error("it is no EXR, PNG or Radiance HDR image; convert it to one of them".to_owned()));
     };
     let mut about = About::default();
     let (width, height, mut rgb) = match kind {

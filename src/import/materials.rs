@@ -48,6 +48,9 @@ const OWN_IDLE_KEYS: &[&str] = &["profile"];
 /// What does not shine.
 const DARK: Param<Color> = Param::Value([0.0; 3]);
 
+/// Most blends within each other: what looks into them visits each way to a part.
+const MAX_DEPTH: usize = 10;
+
 /// Names listed in a message.
 const MAX_NAMES: usize = 20;
 
@@ -71,6 +74,23 @@ impl Materials {
     pub fn push(&mut self, material: Option<MaterialDesc>) -> usize {
         self.list.push(material);
         self.list.len() - 1
+    }
+
+    /// Whether a material, or a part of it, is not there.
+    fn may_vanish(&self, index: usize) -> bool {
+        match self.get(index).map(|m| &m.kind) {
+            Some(MaterialKind::Null) => true,
+            Some(&MaterialKind::Blend { a, b, .. }) => self.may_vanish(a) || self.may_vanish(b),
+            _ => false,
+        }
+    }
+
+    /// How many blends stand within each other in a material.
+    fn depth(&self, index: usize) -> usize {
+        match self.get(index).map(|m| &m.kind) {
+            Some(&MaterialKind::Blend { a, b, .. }) => 1 + self.depth(a).max(self.depth(b)),
+            _ => 0,
+        }
     }
 
     /// All materials, or nothing if one was in error.
@@ -295,6 +315,18 @@ impl<'a> Context<'a> {
             Some(index)
         };
         let (a, b) = (part(self, "a"), part(self, "b"));
+        // What is not there in part would be hit by fewer rays than are sent to it.
+        let may_vanish = [a, b].into_iter().flatten().any(|part| materials.may_vanish(part));
+        if let (true, Some(emit)) = (may_vanish, object.get("emit")) {
+            self.error(emit, "a blend with a \"null\" part cannot emit; give the light a surface of its own");
+            return None;
+        }
+        if let Some(depth) = [a, b].into_iter().flatten().map(|part| materials.depth(part)).max() {
+            if depth >= MAX_DEPTH {
+                self.error(&object.node, format!("blends of blends {} deep; allowed: at most {MAX_DEPTH}", depth + 1));
+                return None;
+            }
+        }
         let amount = self.required(object, "amount").and_then(|node| self.scalar_or_texture(node, UNIT));
         Some(MaterialKind::Blend { a: a?, b: b?, amount: amount? })
     }

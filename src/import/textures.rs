@@ -14,6 +14,9 @@ use crate::scene::desc::{Color, Filter, Param, Texels, TextureDesc, Wrap};
 /// The types that are built.
 const SUPPORTED: &[&str] = &["constant", "checker", "marble", "image"];
 
+/// Most textures within each other: what looks into them visits each way to a part.
+const MAX_DEPTH: usize = 10;
+
 /// Names listed in a message.
 const MAX_NAMES: usize = 20;
 
@@ -36,6 +39,8 @@ type Loaded = (Arc<Texels>, FileKind);
 #[derive(Default)]
 pub(super) struct Textures {
     list: Vec<TextureDesc>,
+    /// How many textures stand within each other in each of them.
+    depths: Vec<usize>,
     /// Which of them, or of what they are made of, is an integer image that was taken for sRGB because nothing was said.
     taken_for_srgb: Vec<bool>,
     /// `None` stands for one whose errors are already reported.
@@ -169,6 +174,20 @@ impl<'a> Context<'a> {
             }
             _ => self.image(object, usage)?,
         };
+        let part = |param: &Param<Color>| match *param {
+            Param::Texture(index) => self.textures.depths[index],
+            Param::Value(_) => 0,
+        };
+        let depth = match &texture {
+            TextureDesc::Checker { even, odd, .. } => 1 + part(even).max(part(odd)),
+            TextureDesc::Marble { base, veins, .. } => 1 + part(base).max(part(veins)),
+            TextureDesc::Constant(_) | TextureDesc::Image { .. } => 0,
+        };
+        if depth > MAX_DEPTH {
+            self.error(&object.node, format!("textures of textures {depth} deep; allowed: at most {MAX_DEPTH}"));
+            return None;
+        }
+        self.textures.depths.push(depth);
         self.textures.list.push(texture);
         self.textures.taken_for_srgb.push(taken_for_srgb);
         Some(self.textures.list.len() - 1)

@@ -13,6 +13,7 @@ use crate::camera::LensNumbers;
 use crate::film::{Channel, Image};
 use crate::integrator::path::{camera_ray, dimensions};
 use crate::integrator::{Crop, Settings};
+use crate::light::LightPoint;
 use crate::math::{Ray, Rgb, Vec3};
 use crate::sampling::{Coins, Sampler, Stream};
 use crate::scene::Scene;
@@ -41,7 +42,7 @@ pub enum Aov {
     /// `samples.count`: camera samples of the pixel.
     SampleCount,
     /// `lights.id`: 1 + the index of the nearest delta point seen in the pixel, whatever is before it; `lights.visible`:
-    /// 1 where nothing is.
+    /// the fraction of its light that is let through.
     Lights,
 }
 
@@ -174,7 +175,7 @@ impl AovJob<'_> {
             hits += 1;
             ng += at.ng;
             ns += at.ns;
-            depth += f64::from((at.p() - ray.o).dot(scene.camera.forward()));
+            depth += f64::from(scene.camera.depth(ray.o, at.p()));
             sampler.set_dimension(dimensions::DIRECTION);
             let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
             // The mean of a sample's weight is the albedo, whatever the model.
@@ -219,7 +220,9 @@ impl AovJob<'_> {
             if distance < nearest[i] {
                 nearest[i] = distance;
                 ids[i] = hit.point + 1;
-                visible[i] = scene.visibility(&aimed, &mut 0);
+                // As light leaves it in the picture: a surface that the point stands on does not hide it.
+                let end = LightPoint::Delta(point.position).origin((lens.p - point.position).normalize_or_zero());
+                visible[i] = scene.visibility(&Ray::segment(lens.p, end), &mut 0);
             }
         }
         [Channel::uint("lights.id", ids), Channel::float("lights.visible", visible)]

@@ -260,7 +260,7 @@ fn compare_refuses_what_it_cannot_compare() {
         (
             ["a.exr", "text.exr", "d.png"],
             65,
-            "twinlight: cannot read `text.exr`: it is neither an EXR nor a PNG image; convert it to one of them\n",
+            "twinlight: cannot read `text.exr`: it is no EXR, PNG or Radiance HDR image; convert it to one of them\n",
         ),
         (
             ["none.exr", "a.exr", "d.png"],
@@ -346,7 +346,7 @@ fn convert_refuses_and_touches_nothing() {
         ("a.exr", "a.exr", 2, "a.exr: this is the image to convert; choose another name"),
         ("none.exr", "old.png", 1, "cannot read `none.exr`: No such file"),
         ("cut.exr", "old.png", 65, "cannot read `cut.exr`: "),
-        ("old.png", "new.png", 65, "cannot read `old.png`: it is neither an EXR nor a PNG image"),
+        ("old.png", "new.png", 65, "cannot read `old.png`: it is no EXR, PNG or Radiance HDR image"),
     ] {
         let outcome = folder.run(&["convert", from, to]);
         assert_eq!(outcome.status, Some(status), "{outcome:?}");

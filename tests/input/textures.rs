@@ -149,7 +149,7 @@ fn texels() {
     );
     // Files that are no images.
     for (name, bytes, message) in [
-        ("text.png", &b"no image at all"[..], "it is neither an EXR nor a PNG image"),
+        ("text.png", &b"no image at all"[..], "it is no EXR, PNG or Radiance HDR image"),
         ("empty.exr", b"", "it is too short to be an image"),
         ("cut.png", b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0", "damaged"),
         (
@@ -249,6 +249,39 @@ fn names_are_relative_to_the_scene_file() {
     };
     assert_eq!(fingerprint(0.5), found.fingerprint);
     assert_ne!(fingerprint(0.25), found.fingerprint);
+}
+
+/// What looks into a texture or blend visits each way to its parts: with two ways to every part of a chain, 2ⁿ of them.
+#[test]
+fn nesting_is_limited() {
+    let chain = |key: &str, first: &str, link: &dyn Fn(usize) -> String| {
+        let links: Vec<String> = (0..40).map(link).collect();
+        format!(r#"{{"camera": {{}}, "{key}": [{{"name": "n0", {first}}}, {}]}}"#, links.join(", "))
+    };
+    let checkers = chain("textures", r#""type": "constant", "color": 0"#, &|i| {
+        format!(r#"{{"name": "n{}", "type": "checker", "even": "n{i}", "odd": "n{i}"}}"#, i + 1)
+    });
+    let blends = chain("materials", r#""type": "mirror""#, &|i| {
+        format!(r#"{{"name": "n{}", "type": "blend", "a": "n{i}", "b": "n{i}", "amount": 0.5}}"#, i + 1)
+    });
+    for (json, message) in [
+        (checkers, "/textures/11: textures of textures 11 deep; allowed: at most 10"),
+        (blends, "/materials/11: blends of blends 11 deep; allowed: at most 10"),
+    ] {
+        let error = twinlight::import::scene_from_str(&json, "s.json", Path::new("")).expect_err("too deep");
+        assert_eq!(error.diagnostics.len(), 1, "{error}");
+        assert!(error.to_string().contains(message), "{error}");
+    }
+}
+
+#[test]
+fn a_blend_with_a_part_that_is_not_there_cannot_shine() {
+    expect_errors(
+        r#"{"camera": {}, "materials": [{"name": "hole", "type": "null"},
+            {"name": "inner", "type": "blend", "a": "hole", "b": {"type": "mirror"}, "amount": 0.5},
+            {"name": "m", "type": "blend", "a": {"type": "mirror"}, "b": "inner", "amount": 0.5, "emit": «1}]}"#,
+        &["/materials/2/emit: a blend with a \"null\" part cannot emit; give the light a surface of its own"],
+    );
 }
 
 #[test]
