@@ -112,6 +112,7 @@ fn check(name: &str, rel_mse: f64, integrators: &[(Integrator, u32)]) {
             let mut ratio = Moments::default();
             of_renders.iter().for_each(|b| ratio.push(sum(b) / sum(&of_reference) - 1.0));
             let interval = ratio.confidence_interval(0.99);
+            println!("{what}, quarter {quarter}: ratio − 1 in [{:+.5}, {:+.5}]", interval.low, interval.high);
             assert!(interval.within(2e-2), "{what}: quarter {quarter} of the image is off by {interval:?}");
         }
         // Correlation of neighbours along rows and columns; without structure it is about normal, of variance 1/pairs.
@@ -157,5 +158,5 @@ fn glass_and_mirror() {
 
 #[test]
 fn glossy_blocks() {
-    check("glossy", 1.5e-4, &[(PathTracer, 6), (Bdpt, 4), (Light, 10)]);
+    check("glossy", 1.5e-4, &[(PathTracer, 16), (Bdpt, 4), (Light, 32)]);
 }
