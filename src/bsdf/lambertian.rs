@@ -31,7 +31,7 @@ pub(super) fn sample(
     let n = facing_normal(two_sided, at, wo)?;
     let local = cosine_hemisphere(u);
     let wi = Frame::from_normal(n).to_world(local);
-    let same_side = at.flat || (wi.dot(at.ng) > 0.0) == (wo.dot(at.ng) > 0.0);
+    let same_side = at.is_flat() || (wi.dot(at.ng) > 0.0) == (wo.dot(at.ng) > 0.0);
     if local.z <= 0.0 || !same_side {
         return None;
     }
@@ -56,7 +56,7 @@ pub(super) fn eval(
 ) -> Option<BsdfValue> {
     let n = facing_normal(two_sided, at, wo)?;
     let cos = wi.dot(n);
-    let same_side = at.flat || (wi.dot(at.ng) > 0.0) == (wo.dot(at.ng) > 0.0);
+    let same_side = at.is_flat() || (wi.dot(at.ng) > 0.0) == (wo.dot(at.ng) > 0.0);
     // Written so that a NaN is no reflection either.
     if !(cos > 0.0 && same_side) {
         return None;

@@ -184,6 +184,12 @@ impl Bsdf {
         }
     }
 
+    /// Whether connections may pass from one side to the other.
+    #[inline]
+    pub fn transmits(&self) -> bool {
+        matches!(self, Self::RoughDielectric(_))
+    }
+
     /// Whether the model scatters at all.
     #[inline]
     pub fn scatters(&self) -> bool {
@@ -266,7 +272,7 @@ impl Bsdf {
 /// `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` [Veach97 (5.19)]. 1 for flat surfaces and for radiance.
 #[inline]
 pub fn adjoint_factor(at: &SurfacePoint, wo: Vec3, wi: Vec3, transport: Transport) -> f32 {
-    if transport == Transport::Radiance || at.flat {
+    if transport == Transport::Radiance || at.is_flat() {
         return 1.0;
     }
     let numerator = wo.dot(at.ns).abs() * wi.dot(at.ng).abs();

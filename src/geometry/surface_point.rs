@@ -14,10 +14,10 @@ pub struct SurfacePoint {
     pub ns: Vec3,
     /// Index into the scene's surfaces.
     pub surface: u32,
+    /// Index within the kind of geometry it lies on (`Geometry::triangles`, `Geometry::quadrics`).
+    pub primitive: u32,
     /// Texture coordinates; zero in a scene without textures over them, and on meshes without coordinates.
     pub uv: [f32; 2],
-    /// Whether `ns` equals `ng`: the adjoint shading-normal factor is then 1.
-    pub flat: bool,
 }
 
 impl SurfacePoint {
@@ -25,6 +25,12 @@ impl SurfacePoint {
     #[inline]
     pub fn p(&self) -> Vec3 {
         self.point.p
+    }
+
+    /// Whether `ns` equals `ng`: the adjoint shading-normal factor is then 1.
+    #[inline]
+    pub fn is_flat(&self) -> bool {
+        self.ns == self.ng
     }
 
     /// Where a ray that leaves this point to the side of `towards` starts.
@@ -81,7 +87,6 @@ impl Geometry {
         let error = a.abs().max(b.abs()).max(c.abs()) * gamma(TRIANGLE_ROUNDINGS);
         let ng = (b - a).cross(c - a).normalize_or_zero();
         let mut ns = ng;
-        let mut flat = true;
         if !self.normals.is_empty() {
             let [ia, ib, ic] = self.triangles[triangle as usize];
             let n = self.normals[ia as usize] * w + self.normals[ib as usize] * u + self.normals[ic as usize] * v;
@@ -89,7 +94,6 @@ impl Geometry {
             if let Some(n) = n.try_normalize() {
                 // The winding decides the side: an interpolated normal on the other one is turned over.
                 ns = if n.dot(ng) < 0.0 { -n } else { n };
-                flat = false;
             }
         }
         let uv = if self.wants_uv { self.triangle_uv(triangle, u, v) } else { [0.0; 2] };
@@ -99,7 +103,7 @@ impl Geometry {
             ng,
             ns,
             surface: self.triangle_surface[triangle as usize],
-            flat,
+            primitive: triangle,
         }
     }
 
@@ -116,7 +120,7 @@ impl Geometry {
             ng: n,
             ns: n,
             surface: self.quadric_surface[quadric as usize],
-            flat: true,
+            primitive: quadric,
         }
     }
 }

@@ -62,7 +62,7 @@ fn trace<A: Accel>(
     let (id, pmf) = choice.sample_emission(sampler.next_f64());
     let light = &scene.lights[id as usize];
     sampler.set_dimension(dimensions::PART);
-    let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
+    let part = if light.emits_in_parts() { sampler.next_f64() } else { 0.0 };
     sampler.set_dimension(dimensions::POINT);
     let (u_point, u_direction) = (sampler.next_2d(), sampler.next_2d());
     let Some(start) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };

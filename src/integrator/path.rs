@@ -4,7 +4,7 @@ use super::{PixelSample, Recorder, Settings};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
 use crate::camera::{Camera, CameraRay};
-use crate::light::{LightEdge, LightPoint};
+use crate::light::{DirectSample, LightEdge, LightPoint, Receiver};
 use crate::math::{Ray, Rgb};
 use crate::sampling::{Sampler, Stream};
 use crate::scene::desc::Heuristic;
@@ -34,6 +34,25 @@ pub(crate) fn camera_ray(camera: &Camera, pixel: [u32; 2], sampler: &mut Sampler
         [0.5; 2]
     };
     camera.generate_ray(pixel, film, lens)
+}
+
+/// A light and a point on it for next-event estimation at the receiver, their density with the choice of the light in it;
+/// `None` where no light shines on the receiver. `block` is the first dimension of the bounce.
+#[inline]
+pub(super) fn sample_light<A: Accel>(
+    scene: &Scene<A>,
+    receiver: &Receiver,
+    sampler: &mut Sampler,
+    block: u32,
+) -> Option<(u32, DirectSample)> {
+    let choice = scene.light_choice.as_ref()?;
+    sampler.set_dimension(block + dimensions::LIGHT_CHOICE);
+    let (id, part, pmf) = choice.sample_direct(receiver, sampler.next_f64())?;
+    let light = &scene.lights[id as usize];
+    let u_part = if light.shines_in_parts() { sampler.next_f64() } else { 0.0 };
+    sampler.set_dimension(block + dimensions::LIGHT_POINT);
+    let y = light.sample_direct(&scene.geometry, receiver.p, part, u_part, sampler.next_2d())?;
+    Some((id, DirectSample { pdf: y.pdf * pmf, ..y }))
 }
 
 /// Weight of a technique of density `p` against one of density `q` (same measure) under the heuristic
@@ -67,15 +86,16 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
     let mut coins = sampler.coins();
     recorder.begin(sample.pixel, sample.index);
     recorder.rays.camera_paths += 1;
-    let Some(choice) = &scene.light_choice else { return };
-
+    if !scene.needs.light {
+        return;
+    }
     let mut ray = camera_ray(&scene.camera, sample.pixel, &mut sampler).ray;
     let mut beta = Rgb::ONE;
     let mut roulette = settings.roulette(beta);
     // Density per solid angle of the last sampled direction; `None` when next-event estimation could not have
     // made the edge: the camera's own, or one that left a delta lobe.
     let mut pdf_last: Option<f64> = None;
-    let mut from = ray.o;
+    let mut receiver = Receiver::anywhere(ray.o);
     // Vertices including the camera's and the one being arrived at.
     let mut t = 2;
     loop {
@@ -90,8 +110,8 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
             }
             let w = match pdf_last {
                 Some(p) if !through_window => {
-                    let Some(edge) = point.edge_from(from) else { return };
-                    let q = (light.pdf_direct(&scene.geometry, from, &point) * choice.pmf_direct(from, id)).0;
+                    let Some(edge) = point.edge_from(receiver.p) else { return };
+                    let q = scene.pdf_direct(&receiver, id, &point).0;
                     // Densities at the light, both times d².
                     weight(settings, p * edge.cos, q * edge.d2)
                 }
@@ -118,22 +138,19 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         }
         let bsdf = &arrival.surface.bsdf;
         let block = (t - 2) * dimensions::BLOCK;
+        receiver = Receiver::new(at, wo, bsdf.transmits());
         // s = 1: next-event estimation.
         if bsdf.is_connectible() && settings.wants(1, t) {
-            sampler.set_dimension(block + dimensions::LIGHT_CHOICE);
-            let (id, pmf) = choice.sample_direct(at.p(), sampler.next_f64());
-            let light = &scene.lights[id as usize];
-            let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
-            sampler.set_dimension(block + dimensions::LIGHT_POINT);
-            let y = light.sample_direct(&scene.geometry, at.p(), part, sampler.next_2d());
-            if let Some((y, edge)) = y.and_then(|y| Some((y, y.point.edge_from(at.p())?))) {
+            let y = sample_light(scene, &receiver, &mut sampler, block);
+            if let Some((id, y, edge)) = y.and_then(|(id, y)| Some((id, y, y.point.edge_from(at.p())?))) {
+                let light = &scene.lights[id as usize];
                 let LightEdge { wi, d2, cos } = edge;
                 let le = light.emitted(&y.point, -wi);
                 let value = if le == Rgb::ZERO { None } else { bsdf.eval(at, wo, wi, Transport::Radiance) };
                 if let Some(value) = value {
                     let visible = scene.visibility(&y.point.shadow_ray(at), &mut recorder.rays.shadow);
                     if visible > 0.0 {
-                        let pdf_light = (y.pdf * pmf).0 * d2;
+                        let pdf_light = y.pdf.0 * d2;
                         // Densities at the light, both multiplied by d²/cos to stay finite as d shrinks.
                         let w = if light.is_delta() {
                             1.0
@@ -158,7 +175,6 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         };
         beta /= q;
         pdf_last = (!next.delta).then_some(f64::from(next.pdf_fwd.0));
-        from = at.p();
         ray = Ray::new(at.origin(next.wi), next.wi);
         t += 1;
     }

@@ -1,9 +1,12 @@
 //! Emitting surfaces.
 
-use std::f64::consts::PI;
+mod direct;
 
-use crate::geometry::{Geometry, QuadricKind, SurfacePoint, triangle_area};
-use crate::math::{DVec3, Frame, PointWithError, Rgb, Vec2, Vec3, gamma};
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use crate::geometry::{Geometry, Quadric, QuadricKind, SurfacePoint, triangle_area};
+use crate::math::{DMat3, DVec3, Frame, PointWithError, Rgb, Vec2, Vec3, gamma};
 use crate::pdf::{AreaPdf, SolidAnglePdf};
 use crate::sampling::{AliasTable, ONE_MINUS_EPSILON, warp};
 use crate::texture::Texture;
@@ -49,11 +52,15 @@ pub enum Emitter {
         normal: Vec3,
         /// Texture coordinates of the corner, and their differences along the edges.
         uv: [Vec2; 3],
+        /// Unit vectors along the edges and their lengths, where the edges are at right angles.
+        rectangle: Option<([DVec3; 2], [f64; 2])>,
+        /// The first of the two triangles: an index into `Geometry::triangles`.
+        first: u32,
     },
     /// Any triangles: chosen by area, then uniform.
     Triangles {
         /// Indices into `Geometry::triangles`.
-        triangles: Vec<u32>,
+        triangles: Range<u32>,
         /// Chooses among them.
         choice: AliasTable,
     },
@@ -61,16 +68,23 @@ pub enum Emitter {
     Quadric {
         /// Index into `Geometry::quadrics`.
         index: u32,
+        /// Centre and radius, render space, of what is a sphere and not an ellipsoid.
+        ball: Option<(DVec3, f64)>,
     },
 }
 
 impl AreaLight {
     /// A light of these triangles, or `None` when they have no area.
-    pub fn from_triangles(geometry: &Geometry, triangles: Vec<u32>, emission: Emission, surface: u32) -> Option<Self> {
+    pub fn from_triangles(
+        geometry: &Geometry,
+        triangles: Range<u32>,
+        emission: Emission,
+        surface: u32,
+    ) -> Option<Self> {
         let Emission { radiance, two_sided } = emission;
-        let areas: Vec<f64> = triangles.iter().map(|&t| triangle_area(geometry.corners(t))).collect();
+        let areas: Vec<f64> = triangles.clone().map(|t| triangle_area(geometry.corners(t))).collect();
         let area: f64 = areas.iter().sum();
-        let emitter = match parallelogram(geometry, &triangles) {
+        let emitter = match parallelogram(geometry, triangles.clone()) {
             Some(p) => p,
             None => Emitter::Triangles { choice: AliasTable::new(&areas)?, triangles },
         };
@@ -96,7 +110,8 @@ impl AreaLight {
                 4.0 * PI * (0..n).map(stretch).sum::<f64>() / f64::from(n)
             }
         };
-        let emitter = Emitter::Quadric { index };
+        let ball = (q.kind == QuadricKind::Sphere).then(|| sphere(q)).flatten();
+        let emitter = Emitter::Quadric { index, ball };
         (area > 0.0).then_some(Self { emitter, radiance, texture: None, area, surface, two_sided })
     }
 
@@ -127,21 +142,13 @@ impl AreaLight {
     #[inline]
     pub fn sample_point(&self, geometry: &Geometry, u_part: f64, u: [f32; 2]) -> Option<(SurfacePoint, AreaPdf)> {
         match &self.emitter {
-            Emitter::Parallelogram { corner, edges, normal, uv } => {
-                let (a, b) = (edges[0] * u[0], edges[1] * u[1]);
-                // As for triangles, the bound follows the corners, not the point.
-                let error = (corner.abs() + edges[0].abs() + edges[1].abs()) * gamma(16);
-                let point = PointWithError { p: *corner + a + b, error };
-                let uv = (uv[0] + uv[1] * u[0] + uv[2] * u[1]).to_array();
-                let at = SurfacePoint { point, ng: *normal, ns: *normal, surface: self.surface, uv, flat: true };
-                Some((at, AreaPdf(1.0 / self.area)))
-            }
+            Emitter::Parallelogram { .. } => Some((self.parallelogram_point(u)?, AreaPdf(1.0 / self.area))),
             Emitter::Triangles { triangles, choice } => {
                 let (i, _) = choice.sample(u_part);
                 let [b, c] = warp::uniform_triangle(u);
-                Some((geometry.triangle_point(triangles[i], b, c), AreaPdf(1.0 / self.area)))
+                Some((geometry.triangle_point(triangles.start + i as u32, b, c), AreaPdf(1.0 / self.area)))
             }
-            Emitter::Quadric { index } => {
+            Emitter::Quadric { index, .. } => {
                 let q = &geometry.quadrics[*index as usize];
                 let (local, normal) = match q.kind {
                     QuadricKind::Sphere => {
@@ -160,12 +167,24 @@ impl AreaLight {
         }
     }
 
+    /// The point of a parallelogram at the fractions `u` of its edges; `None` of another shape.
+    #[inline]
+    fn parallelogram_point(&self, u: [f32; 2]) -> Option<SurfacePoint> {
+        let Emitter::Parallelogram { corner, edges, normal, uv, first, .. } = &self.emitter else { return None };
+        let (a, b) = (edges[0] * u[0], edges[1] * u[1]);
+        // As for triangles, the bound follows the corners, not the point.
+        let error = (corner.abs() + edges[0].abs() + edges[1].abs()) * gamma(16);
+        let point = PointWithError { p: *corner + a + b, error };
+        let uv = (uv[0] + uv[1] * u[0] + uv[2] * u[1]).to_array();
+        Some(SurfacePoint { point, ng: *normal, ns: *normal, surface: self.surface, primitive: *first, uv })
+    }
+
     /// Density with which `sample_point` chooses the point `p` of this light.
     #[inline]
     pub fn pdf_point(&self, geometry: &Geometry, p: Vec3) -> AreaPdf {
         match &self.emitter {
             Emitter::Parallelogram { .. } | Emitter::Triangles { .. } => AreaPdf(1.0 / self.area),
-            Emitter::Quadric { index } => {
+            Emitter::Quadric { index, .. } => {
                 let q = &geometry.quadrics[*index as usize];
                 let normal = match q.kind {
                     QuadricKind::Sphere => q.to_local.transform_point3(p.as_dvec3()).normalize_or(DVec3::Z),
@@ -239,7 +258,7 @@ impl AreaLight {
 
 /// Density per area of a point that is uniform on the unit shape.
 #[inline]
-fn quadric_pdf(q: &crate::geometry::Quadric, local_normal: DVec3) -> AreaPdf {
+fn quadric_pdf(q: &Quadric, local_normal: DVec3) -> AreaPdf {
     let unit_area = match q.kind {
         QuadricKind::Sphere => 4.0 * PI,
         QuadricKind::Disk => PI,
@@ -248,8 +267,11 @@ fn quadric_pdf(q: &crate::geometry::Quadric, local_normal: DVec3) -> AreaPdf {
 }
 
 /// Recognises two triangles `abc`, `acd` (or, turned over, `acb`, `adc`) that form a parallelogram.
-fn parallelogram(geometry: &Geometry, triangles: &[u32]) -> Option<Emitter> {
-    let &[first, second] = triangles else { return None };
+fn parallelogram(geometry: &Geometry, triangles: Range<u32>) -> Option<Emitter> {
+    if triangles.len() != 2 {
+        return None;
+    }
+    let (first, second) = (triangles.start, triangles.start + 1);
     let ([a, p, q], [a2, r, s]) = (geometry.corners(first), geometry.corners(second));
     // The diagonal's end is the corner, besides the first, that both share.
     let (b, c, d, uv) = if a == a2 && q == r {
@@ -271,7 +293,27 @@ fn parallelogram(geometry: &Geometry, triangles: &[u32]) -> Option<Emitter> {
         edges,
         normal,
         uv,
+        rectangle: rectangle(edges),
+        first,
     })
+}
+
+/// Unit vectors along the edges, and their lengths, if the edges are at right angles but for the rounding of corners.
+fn rectangle(edges: [Vec3; 2]) -> Option<([DVec3; 2], [f64; 2])> {
+    let edges = edges.map(|e| e.as_dvec3());
+    let size = edges.map(DVec3::length);
+    let [x, y] = [edges[0] / size[0], edges[1] / size[1]];
+    // A skew of δ moves samples by δ of an edge: far below what any test of the density sees.
+    (x.dot(y).abs() <= 1e-5).then(|| ([x, (y - x * x.dot(y)).normalize()], size))
+}
+
+/// Centre and radius of a quadric that is a sphere but for rounding.
+fn sphere(q: &Quadric) -> Option<(DVec3, f64)> {
+    let m = q.to_world.matrix3;
+    let radius = m.determinant().abs().cbrt();
+    let gram = m.transpose() * m * (1.0 / (radius * radius)) - DMat3::IDENTITY;
+    let skew = [gram.x_axis, gram.y_axis, gram.z_axis].iter().fold(0.0_f64, |m, c| m.max(c.abs().max_element()));
+    (skew <= 1e-9).then_some((q.to_world.translation, radius))
 }
 
 /// Texture coordinates over a parallelogram: at its corner, and their differences along its edges. Each half is a

@@ -1,45 +1,100 @@
 //! Choosing one light among all: once for light subpaths, once for next-event estimation.
 
-use super::Light;
-use crate::math::{Vec3, luminance};
+use super::tree::{EmitterBound, LightTree};
+use super::{Light, Receiver};
+use crate::geometry::Geometry;
+use crate::math::luminance;
 use crate::pdf::Pmf;
 use crate::sampling::AliasTable;
 
-/// Chooses lights in proportion to their power, in constant time.
+/// Chooses lights: for light subpaths in proportion to their power, in constant time; for next-event estimation by what
+/// they may send to the receiver, in the time of a descent of a tree over all emitters (`LightTree`).
 #[derive(Clone, Debug)]
 pub struct LightChoice {
-    table: AliasTable,
+    power: AliasTable,
+    /// The lights that have a place, by emitter: light and part. Empty trees choose nothing.
+    tree: Option<LightTree>,
+    emitters: Vec<(u32, u32)>,
+    /// By light: the first of its emitters.
+    first_emitter: Vec<u32>,
+    /// Probability of choosing one of the lights at infinity, and which of them, by power.
+    infinite: f64,
+    infinite_lights: Option<(Vec<u32>, AliasTable)>,
 }
 
 impl LightChoice {
     /// `None` when no light emits anything.
-    pub fn new(lights: &[Light]) -> Option<Self> {
+    pub fn new(lights: &[Light], geometry: &Geometry) -> Option<Self> {
         let weights: Vec<f64> = lights.iter().map(|l| f64::from(luminance(l.power()))).collect();
-        Some(Self { table: AliasTable::new(&weights)? })
+        let power = AliasTable::new(&weights)?;
+        let (mut emitters, mut bounds, mut first_emitter) = (Vec::new(), Vec::<EmitterBound>::new(), Vec::new());
+        let (mut infinite, mut infinite_weights) = (Vec::new(), Vec::new());
+        for ((id, light), weight) in (0..).zip(lights).zip(&weights) {
+            first_emitter.push(emitters.len() as u32);
+            if light.is_infinite() {
+                infinite.push(id);
+                infinite_weights.push(*weight);
+            }
+            for part in 0..light.parts() {
+                if let Some(bound) = light.bound(geometry, part) {
+                    emitters.push((id, part));
+                    bounds.push(bound);
+                }
+            }
+        }
+        let count = infinite.len() as f64;
+        let share = infinite_weights.iter().sum::<f64>() / weights.iter().sum::<f64>();
+        let infinite_lights = AliasTable::new(&infinite_weights).map(|table| (infinite, table));
+        let tree = LightTree::new(&bounds);
+        // What enters the scene's ball from infinity says little of what arrives, indoors least: lamps keep a chance.
+        let infinite = match (&tree, &infinite_lights) {
+            (_, None) => 0.0,
+            (None, _) => 1.0,
+            _ => share.min(count / (count + 1.0)),
+        };
+        Some(Self { power, tree, emitters, first_emitter, infinite, infinite_lights })
     }
 
     /// Chooses a light to start a light subpath from.
     #[inline]
     pub fn sample_emission(&self, u: f64) -> (u32, Pmf) {
-        let (i, pmf) = self.table.sample(u);
+        let (i, pmf) = self.power.sample(u);
         (i as u32, pmf)
     }
 
     /// The probability of `sample_emission` choosing a light.
     #[inline]
     pub fn pmf_emission(&self, light: u32) -> Pmf {
-        self.table.pmf(light as usize)
+        self.power.pmf(light as usize)
     }
 
-    /// Chooses a light for next-event estimation at `from`.
+    /// Chooses a light, and a part of it, for next-event estimation; `None` where none shines on the receiver.
     #[inline]
-    pub fn sample_direct(&self, _from: Vec3, u: f64) -> (u32, Pmf) {
-        self.sample_emission(u)
+    pub fn sample_direct(&self, receiver: &Receiver, u: f64) -> Option<(u32, u32, Pmf)> {
+        let mut u = u;
+        if let Some((lights, table)) = &self.infinite_lights {
+            if u < self.infinite {
+                let (i, pmf) = table.sample(u / self.infinite);
+                return Some((lights[i], 0, Pmf((self.infinite * f64::from(pmf.0)) as f32)));
+            }
+            u = ((u - self.infinite) / (1.0 - self.infinite)).min(1.0 - 0.5 * f64::EPSILON);
+        }
+        let (emitter, p) = self.tree.as_ref()?.sample(receiver, u)?;
+        let (light, part) = self.emitters[emitter as usize];
+        let pmf = Pmf(((1.0 - self.infinite) * p) as f32);
+        (pmf.0 > 0.0).then_some((light, part, pmf))
     }
 
-    /// The probability of `sample_direct` at `from` choosing a light.
+    /// The probability of `sample_direct` choosing a part of a light.
     #[inline]
-    pub fn pmf_direct(&self, _from: Vec3, light: u32) -> Pmf {
-        self.pmf_emission(light)
+    pub fn pmf_direct(&self, receiver: &Receiver, light: u32, part: u32) -> Pmf {
+        if let Some((lights, table)) = &self.infinite_lights {
+            if let Some(i) = lights.iter().position(|l| *l == light) {
+                return Pmf((self.infinite * f64::from(table.pmf(i).0)) as f32);
+            }
+        }
+        let Some(tree) = &self.tree else { return Pmf(0.0) };
+        let p = tree.pmf(receiver, self.first_emitter[light as usize] + part);
+        Pmf(((1.0 - self.infinite) * p) as f32)
     }
 }

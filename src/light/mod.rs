@@ -10,19 +10,23 @@ mod choice;
 mod environment_map;
 mod infinite;
 mod point;
+mod receiver;
 mod spot;
+mod tree;
 
 pub use area::{AreaLight, Emission, Emitter};
 pub use choice::LightChoice;
 pub use environment_map::EnvironmentMap;
 pub use infinite::{DirectionalLight, Environment, EnvironmentLight, SceneBall};
 pub use point::{LightEdge, LightPoint};
+pub use receiver::Receiver;
 pub use spot::SpotLight;
+pub use tree::{EmitterBound, LightTree};
 
 use std::f32::consts::PI;
 
 use crate::geometry::Geometry;
-use crate::math::{Rgb, Vec3};
+use crate::math::{Rgb, Vec3, luminance};
 use crate::pdf::{EmissionPdf, LightPointPdf, SolidAnglePdf};
 use crate::sampling::warp;
 
@@ -115,13 +119,12 @@ impl Light {
         emitted.min(self.power().max_element())
     }
 
-    /// Whether the light has parts to choose among, so that `u_part` below is used.
+    /// Whether emission chooses among parts of the light, so that its `u_part` is used.
     #[inline]
-    pub fn has_parts(&self) -> bool {
+    pub fn emits_in_parts(&self) -> bool {
         match self {
             Self::Area(l) => matches!(l.emitter, Emitter::Triangles { .. }),
-            Self::Environment(l) => matches!(l.radiance, Environment::Map(_)),
-            _ => false,
+            _ => self.shines_in_parts(),
         }
     }
 
@@ -164,12 +167,58 @@ impl Light {
         }
     }
 
-    /// A point on the light for next-event estimation at `from`.
+    /// How many parts `LightChoice` chooses among for next-event estimation.
+    pub fn parts(&self) -> u32 {
+        if let Self::Area(l) = self { l.parts() } else { 1 }
+    }
+
+    /// The part that a point of the light belongs to.
     #[inline]
-    pub fn sample_direct(&self, geometry: &Geometry, _from: Vec3, u_part: f64, u: [f32; 2]) -> Option<DirectSample> {
+    pub fn part_of(&self, point: &LightPoint) -> u32 {
+        match (self, point) {
+            (Self::Area(l), LightPoint::Surface(s)) => l.part_of(s),
+            _ => 0,
+        }
+    }
+
+    /// Where a part of the light is and where to it shines; `None` at infinity.
+    pub fn bound(&self, geometry: &Geometry, part: u32) -> Option<EmitterBound> {
+        let at = |p: Vec3, axis: Vec3, theta_normals: f32, theta_reach: f32| EmitterBound {
+            lo: p,
+            hi: p,
+            axis,
+            theta_normals,
+            theta_reach,
+            two_sided: false,
+            power: f64::from(luminance(self.power())),
+        };
+        match self {
+            Self::Area(l) => Some(l.bound(geometry, part)),
+            Self::Point(l) => Some(at(l.position, Vec3::Z, PI, 0.5 * PI)),
+            Self::Spot(l) => Some(at(l.position, l.axis(), 0.0, l.outer_angle())),
+            Self::Directional(_) | Self::Environment(_) => None,
+        }
+    }
+
+    /// Whether `sample_direct` uses `u_part`.
+    #[inline]
+    pub fn shines_in_parts(&self) -> bool {
+        matches!(self, Self::Environment(EnvironmentLight { radiance: Environment::Map(_), .. }))
+    }
+
+    /// A point on part `part` of the light for next-event estimation at `from`, with its density given the part.
+    #[inline]
+    pub fn sample_direct(
+        &self,
+        geometry: &Geometry,
+        from: Vec3,
+        part: u32,
+        u_part: f64,
+        u: [f32; 2],
+    ) -> Option<DirectSample> {
         match self {
             Self::Area(l) => {
-                let (point, pdf) = l.sample_point(geometry, u_part, u)?;
+                let (point, pdf) = l.sample_direct(geometry, from, part, u)?;
                 Some(DirectSample { point: LightPoint::Surface(point), pdf: pdf.into() })
             }
             Self::Point(PointLight { position, .. }) | Self::Spot(SpotLight { position, .. }) => {
@@ -223,10 +272,12 @@ impl Light {
         }
     }
 
-    /// Density with which `sample_direct` at `from` chooses the point.
+    /// Density with which `sample_direct` at `from` chooses the point, given its part.
     #[inline]
-    pub fn pdf_direct(&self, geometry: &Geometry, _from: Vec3, point: &LightPoint) -> LightPointPdf {
-        // Next-event estimation samples points as emission does; kept apart because it need not.
-        self.pdf_emission_position(geometry, point)
+    pub fn pdf_direct(&self, geometry: &Geometry, from: Vec3, point: &LightPoint) -> LightPointPdf {
+        match (self, point) {
+            (Self::Area(l), LightPoint::Surface(s)) => l.pdf_direct(geometry, from, s).into(),
+            _ => self.pdf_emission_position(geometry, point),
+        }
     }
 }

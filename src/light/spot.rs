@@ -53,6 +53,11 @@ impl SpotLight {
         self.frame.z
     }
 
+    /// The angle beyond which it is dark, radians.
+    pub fn outer_angle(&self) -> f32 {
+        2.0 * (0.5 * self.versine_outer).sqrt().min(1.0).asin()
+    }
+
     /// `∫ attenuation dω = 2π[(1 − cos inner) + (cos inner − cos outer)/(falloff + 1)]`, sr: flux over peak intensity.
     pub fn solid_angle(&self) -> f32 {
         2.0 * PI * (self.inner_share + self.rim_share)

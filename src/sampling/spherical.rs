@@ -17,6 +17,12 @@ fn angle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
+/// The product of two complex numbers, the second one conjugated.
+#[inline(always)]
+fn times_conjugate(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] * b[0] + a[1] * b[1], a[1] * b[0] - a[0] * b[1]]
+}
+
 /// A rectangle (Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical Rectangles").
 #[derive(Clone, Copy, Debug)]
 pub struct SphericalRectangle {
@@ -24,36 +30,39 @@ pub struct SphericalRectangle {
     x: [f64; 2],
     y: [f64; 2],
     z: f64,
-    b: [f64; 2],
-    k: f64,
+    /// Cosine and sine of the angle k.
+    k: [f64; 2],
     solid_angle: f64,
 }
 
 impl SphericalRectangle {
     /// The rectangle with a corner at `corner` relative to the point that looks and edges along the unit vectors `axes`,
     /// which are at right angles, of the lengths `size`. `None` outside the safe range.
+    ///
+    /// A plane through the point and an edge meets the next one, at the corner (x, y), under an angle whose tangent is
+    /// |z| r/(xy) up to sign, r the corner's distance. The solid angle is the sum of the four angles less 2π, and k
+    /// of the paper is 2π less two of them [Urena13, (3)]. Sums of angles are products of complex numbers: one arc tangent
+    /// is all that is left, and nothing cancels.
+    #[inline]
     pub fn new(corner: DVec3, axes: [DVec3; 2], size: [f64; 2]) -> Option<Self> {
         let x0 = corner.dot(axes[0]);
         let y0 = corner.dot(axes[1]);
         // The side of the plane does not matter.
         let z = -corner.dot(axes[0].cross(axes[1])).abs();
         let (x, y) = ([x0, x0 + size[0]], [y0, y0 + size[1]]);
-        // Ω of a rectangle as a sum over its corners [Urena13, (3)], in the form that needs no arc cosine.
-        let corner_term = |x: f64, y: f64| (x * y).atan2(-z * (x * x + y * y + z * z).sqrt());
-        let solid_angle = corner_term(x[1], y[1]) - corner_term(x[0], y[1]) - corner_term(x[1], y[0])
-            + corner_term(x[0], y[0]);
+        let at = |x: f64, y: f64| [-z * (x * x + y * y + z * z).sqrt(), x * y];
+        let (c00, c01, c10, c11) = (at(x[0], y[0]), at(x[0], y[1]), at(x[1], y[0]), at(x[1], y[1]));
+        let (right, left) = (times_conjugate(c11, c10), times_conjugate(c01, c00));
+        let [cos, sin] = times_conjugate(right, left);
+        let solid_angle = sin.atan2(cos);
+        // Between 0 and 2π.
+        let solid_angle = if solid_angle < 0.0 { solid_angle + 2.0 * PI } else { solid_angle };
         // In its plane the rectangle is edge-on, or all around.
         if z == 0.0 || !SAFE.contains(&solid_angle) {
             return None;
         }
-        // Inner normals of the four planes through the point and an edge.
-        let n0 = DVec3::new(0.0, z, -y[0]);
-        let n1 = DVec3::new(-z, 0.0, x[1]);
-        let n2 = DVec3::new(0.0, -z, y[1]);
-        let n3 = DVec3::new(z, 0.0, -x[0]);
-        let k = 2.0 * PI - angle(-n2, n3) - angle(-n3, n0);
-        let b = [n0.z / n0.length(), n2.z / n2.length()];
-        Some(Self { x, y, z, b, k, solid_angle })
+        let norm = -left[0].hypot(left[1]);
+        Some(Self { x, y, z, k: left.map(|c| c / norm), solid_angle })
     }
 
     /// What it subtends, sr.
@@ -67,9 +76,13 @@ impl SphericalRectangle {
         let [x0, x1] = self.x;
         let [y0, y1] = self.y;
         // 1. The cut x = xu that leaves the share u₀ of the solid angle on its left.
-        let (sin, cos) = (f64::from(u[0]) * self.solid_angle + self.k).sin_cos();
-        let f = (cos * self.b[0] - self.b[1]) / sin;
-        let c = (1.0 / (f * f + self.b[0] * self.b[0]).sqrt()).copysign(f).clamp(-1.0, 1.0);
+        let (s, c) = (f64::from(u[0]) * self.solid_angle).sin_cos();
+        let [ck, sk] = self.k;
+        let (sin, cos) = (s * ck + c * sk, c * ck - s * sk);
+        // z components of the unit normals of the planes through the edges y₀ and y₁.
+        let b = [-y0 / (y0 * y0 + self.z * self.z).sqrt(), y1 / (y1 * y1 + self.z * self.z).sqrt()];
+        let f = (cos * b[0] - b[1]) / sin;
+        let c = (1.0 / (f * f + b[0] * b[0]).sqrt()).copysign(f).clamp(-1.0, 1.0);
         let xu = (-(c * self.z) / (1.0 - c * c).max(0.0).sqrt()).clamp(x0, x1);
         // 2. Along the cut, the height over the plane of the point.
         let d2 = xu * xu + self.z * self.z;

@@ -222,7 +222,6 @@ fn bend(at: &mut SurfacePoint, n: Vec3) {
     let cos = n.dot(at.ng);
     let n = if cos < LEAST_COSINE { (n + at.ng * (LEAST_COSINE - cos)).normalize() } else { n };
     at.ns = n;
-    at.flat = false;
 }
 
 /// Cosine and sine of the angle from `Frame::from_normal(ns).x` to the projection of a tangent.

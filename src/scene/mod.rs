@@ -17,8 +17,9 @@ use crate::accel::{Accel, AccelError, AccelOptions};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::geometry::{Geometry, SurfacePoint};
-use crate::light::{Light, LightChoice};
+use crate::light::{Light, LightChoice, LightPoint, Receiver};
 use crate::math::Ray;
+use crate::pdf::LightPointPdf;
 use crate::sampling::Coins;
 
 /// What a surface is made of.
@@ -87,10 +88,19 @@ impl<A: Accel> Scene<A> {
         let Prepared { geometry, surfaces, details, lights, camera, needs, .. } = prepared;
         let geometry = Arc::new(geometry);
         let accel = A::build(Arc::clone(&geometry), options)?;
-        let light_choice = LightChoice::new(&lights);
+        let light_choice = LightChoice::new(&lights, &geometry);
         let is_environment = |l: &Light| l.is_infinite() && !l.is_delta();
         let environments = (0..).zip(&lights).filter(|(_, l)| is_environment(l)).map(|(i, _)| i).collect();
         Ok(Self { geometry, accel, surfaces, details, lights, environments, light_choice, camera, needs })
+    }
+
+    /// Density with which next-event estimation at `receiver` chooses this point of light `id`, the choice of the light
+    /// included.
+    #[inline]
+    pub fn pdf_direct(&self, receiver: &Receiver, id: u32, point: &LightPoint) -> LightPointPdf {
+        let Some(choice) = &self.light_choice else { return LightPointPdf::IMPOSSIBLE };
+        let light = &self.lights[id as usize];
+        light.pdf_direct(&self.geometry, receiver.p, point) * choice.pmf_direct(receiver, id, light.part_of(point))
     }
 
     /// `follow` for those who want surfaces only: `None` out of the scene.

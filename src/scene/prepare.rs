@@ -4,6 +4,8 @@
 //! half extent lies in [½, 1). Both are exact in what matters: a scene written at 2ᵏ times the size prepares to the
 //! same bits. Radiance does not change with scale; radiant intensity does, with its square (E = I/r²).
 
+use std::ops::Range;
+
 use super::desc::{
     CameraDesc, Diagnostic, FilterKind, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Param, Place, Projection,
     SceneDesc, SceneError, ShapeDesc, SurfaceDesc, is_black,
@@ -331,13 +333,13 @@ impl Builder {
         self.warnings.push(Diagnostic { at: surface.at.clone(), message });
     }
 
-    fn triangle_light(&self, triangles: Vec<u32>, emit: Emission, index: u32) -> Option<AreaLight> {
+    fn triangle_light(&self, triangles: Range<u32>, emit: Emission, index: u32) -> Option<AreaLight> {
         (emit.radiance != Rgb::ZERO)
             .then(|| AreaLight::from_triangles(&self.geometry, triangles, emit, index))
             .flatten()
     }
 
-    /// Appends triangles and returns the indices of those that have an area.
+    /// Appends the triangles that have an area and returns their indices.
     fn add_triangles(
         &mut self,
         surface: &SurfaceDesc,
@@ -346,7 +348,7 @@ impl Builder {
         (normals, uvs): (&[[f32; 3]], &[[f32; 2]]),
         triangles: &[[u32; 3]],
         index: u32,
-    ) -> Vec<u32> {
+    ) -> Range<u32> {
         let Some(first) = u32::try_from(self.geometry.positions.len() + positions.len())
             .ok()
             .map(|_| self.geometry.positions.len() as u32)
@@ -355,7 +357,7 @@ impl Builder {
                 at: surface.at.clone(),
                 message: "more than 4294967295 vertices in all; split the scene or simplify its meshes".into(),
             });
-            return Vec::new();
+            return 0..0;
         };
         let inverse_transpose = to_render.matrix3.inverse().transpose();
         self.geometry.positions.extend(positions.iter().map(|p| to_render.transform_point3(*p).as_vec3a()));
@@ -371,19 +373,18 @@ impl Builder {
         }
         // A mirroring map turns the winding over but not the side that was meant.
         let flip = surface.flip_normals != (to_render.matrix3.determinant() < 0.0);
-        let mut kept = Vec::with_capacity(triangles.len());
+        let before = self.geometry.triangles.len() as u32;
         for &[a, b, c] in triangles {
             let t = if flip { [a, c, b] } else { [a, b, c] };
             let t = t.map(|i| first + i);
-            let id = self.geometry.triangles.len() as u32;
             // By the test of the shading, whose normal has to exist in f32.
             let [a, b, c] = t.map(|i| self.geometry.positions[i as usize]);
             if triangle_area([a, b, c]) > 0.0 && (b - a).cross(c - a).try_normalize().is_some() {
                 self.geometry.triangles.push(t);
                 self.geometry.triangle_surface.push(index);
-                kept.push(id);
             }
         }
+        let kept = before..self.geometry.triangles.len() as u32;
         let dropped = triangles.len() - kept.len();
         if dropped > 0 {
             let plural = if dropped == 1 { "triangle" } else { "triangles" };

@@ -258,7 +258,8 @@ fn hidden_by_itself<A: Accel>(json: &Value, random: &mut Random) -> usize {
     let mut hidden = 0;
     for _ in 0..4000 {
         let [part, u, v] = [0; 3].map(|_| (random.uniform() as f32).min(1.0 - f32::EPSILON / 2.0));
-        let Some(y) = light.sample_direct(&scene.geometry, at.p(), f64::from(part), [u, v]) else { continue };
+        let part = ((part * light.parts() as f32) as u32).min(light.parts() - 1);
+        let Some(y) = light.sample_direct(&scene.geometry, at.p(), part, 0.0, [u, v]) else { continue };
         let Some(edge) = y.point.edge_from(at.p()) else { continue };
         let wi = edge.wi;
         // Beyond grazing angles by rounding it would be the receiver or the light's back.

@@ -10,8 +10,8 @@ use crate::camera::{CameraSample, LensNumbers};
 use crate::geometry::SurfacePoint;
 use crate::integrator::Recorder;
 use crate::integrator::light::lens_numbers;
-use crate::integrator::path::dimensions;
-use crate::light::{Light, LightEdge, LightPoint};
+use crate::integrator::path::sample_light;
+use crate::light::{Light, LightEdge, LightPoint, Receiver};
 use crate::math::{Ray, Rgb, Vec3, distance_squared};
 use crate::pdf::Pmf;
 use crate::sampling::Sampler;
@@ -22,9 +22,9 @@ use crate::scene::Scene;
 pub(super) struct EmitterHit {
     /// The point of the light.
     pub point: LightPoint,
-    /// Unit direction to the previous vertex, and where that is.
+    /// Unit direction to the previous vertex, and that vertex as next-event estimation sees it.
     pub wo: Vec3,
-    pub from: Vec3,
+    pub receiver: Receiver,
     /// Throughput and partial sums of the subpath up to the light.
     pub beta: Rgb,
     pub partial: Partial,
@@ -53,35 +53,24 @@ impl Bdpt {
         if light.emitted(&hit.point, hit.wo) == Rgb::ZERO {
             return;
         }
-        let pmf = [choice.pmf_emission(id), choice.pmf_direct(hit.from, id)];
-        recorder.add(0, hit.number, self.evaluate_emitter(scene, light, hit, pmf));
+        recorder.add(0, hit.number, self.evaluate_emitter(scene, id, hit, choice.pmf_emission(id)));
     }
 
-    /// The weighted contribution of the light that a camera subpath has hit, chosen for emission and for next-event
-    /// estimation with the probabilities `pmf`.
+    /// The weighted contribution of light `id` that a camera subpath has hit, chosen for emission with the probability
+    /// `pmf`.
     #[inline]
-    pub(super) fn evaluate_emitter<A: Accel>(
-        &self,
-        scene: &Scene<A>,
-        light: &Light,
-        hit: &EmitterHit,
-        pmf: [Pmf; 2],
-    ) -> Rgb {
-        let w = self.mis.weight(self.emitter_alternatives(scene, light, hit, pmf));
+    pub(super) fn evaluate_emitter<A: Accel>(&self, scene: &Scene<A>, id: u32, hit: &EmitterHit, pmf: Pmf) -> Rgb {
+        let light = &scene.lights[id as usize];
+        let w = self.mis.weight(self.emitter_alternatives(scene, id, hit, pmf));
         hit.beta * light.emitted(&hit.point, hit.wo) * w as f32
     }
 
     /// Σ_{j>0} h(n_j p_j)/h(p_0) for a path whose emitter a camera subpath has hit.
     #[inline]
-    fn emitter_alternatives<A: Accel>(
-        &self,
-        scene: &Scene<A>,
-        light: &Light,
-        hit: &EmitterHit,
-        [pmf_emission, pmf_direct]: [Pmf; 2],
-    ) -> f64 {
+    fn emitter_alternatives<A: Accel>(&self, scene: &Scene<A>, id: u32, hit: &EmitterHit, pmf: Pmf) -> f64 {
         let EmitterHit { point, partial, .. } = hit;
-        let emission = (light.pdf_emission_position(&scene.geometry, point) * pmf_emission).0;
+        let light = &scene.lights[id as usize];
+        let emission = (light.pdf_emission_position(&scene.geometry, point) * pmf).0;
         if hit.number == 2 {
             if light.is_infinite() {
                 return 0.0;
@@ -89,13 +78,14 @@ impl Bdpt {
             // Seen directly: the one alternative, (1,1), starts as light subpaths do.
             return self.mis.light_paths * self.mis.h(emission) * partial.direct;
         }
-        let direct = (light.pdf_direct(&scene.geometry, hit.from, point) * pmf_direct).0;
+        // Behind a delta vertex or a window next-event estimation is no alternative, whatever its density.
+        let direct = if partial.direct > 0.0 { scene.pdf_direct(&hit.receiver, id, point).0 } else { 0.0 };
         let direction = light.pdf_emission_direction(point, hit.wo).0;
         self.mis.next_event * self.mis.h(direct) * partial.direct
             + self.mis.h(emission) * self.mis.h(direction) * partial.earlier
     }
 
-    /// s = 1: next-event estimation at camera vertex `z`, the sampler standing at the light's dimensions.
+    /// s = 1: next-event estimation at camera vertex `z`; `block` is the first dimension of the bounce.
     #[inline]
     pub(super) fn connect_to_light<A: Accel>(
         &self,
@@ -106,13 +96,9 @@ impl Bdpt {
         recorder: &mut Recorder,
     ) {
         let (Some(choice), true) = (&scene.light_choice, self.settings.wants(1, z.number)) else { return };
-        let (id, pmf) = choice.sample_direct(z.at.p(), sampler.next_f64());
-        let light = &scene.lights[id as usize];
-        let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
-        sampler.set_dimension(block + dimensions::LIGHT_POINT);
-        let Some(y) = light.sample_direct(&scene.geometry, z.at.p(), part, sampler.next_2d()) else { return };
-        let (pdf_direct, pmf) = ((y.pdf * pmf).0, choice.pmf_emission(id));
-        let Some(value) = self.evaluate_next_event(scene, light, &y.point, pdf_direct, pmf, z) else { return };
+        let Some((id, y)) = sample_light(scene, &z.receiver(), sampler, block) else { return };
+        let (light, pmf) = (&scene.lights[id as usize], choice.pmf_emission(id));
+        let Some(value) = self.evaluate_next_event(scene, light, &y.point, y.pdf.0, pmf, z) else { return };
         let visible = scene.visibility(&y.point.shadow_ray(&z.at), &mut recorder.rays.shadow);
         if visible > 0.0 {
             recorder.add(1, z.number, value * visible);

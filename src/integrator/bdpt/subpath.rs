@@ -8,7 +8,7 @@ use crate::bsdf::{BsdfSample, Transport};
 use crate::integrator::light::dimensions as light_dimensions;
 use crate::integrator::path::{camera_ray, dimensions as camera_dimensions};
 use crate::integrator::{Recorder, Roulette};
-use crate::light::LightPoint;
+use crate::light::{LightPoint, Receiver};
 use crate::math::{Ray, Rgb, distance_squared};
 use crate::sampling::Sampler;
 use crate::scene::{Reached, Scene};
@@ -22,7 +22,7 @@ impl Bdpt {
         let (id, pmf) = choice.sample_emission(sampler.next_f64());
         let light = &scene.lights[id as usize];
         sampler.set_dimension(light_dimensions::PART);
-        let part = if light.has_parts() { sampler.next_f64() } else { 0.0 };
+        let part = if light.emits_in_parts() { sampler.next_f64() } else { 0.0 };
         sampler.set_dimension(light_dimensions::POINT);
         let (u_point, u_direction) = (sampler.next_2d(), sampler.next_2d());
         let Some(emission) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };
@@ -53,9 +53,15 @@ impl Bdpt {
             }
             let partial = match &departure {
                 None => {
-                    // Only from here is it known with which density next-event estimation would have found the light.
-                    let pmf = choice.pmf_direct(at.p(), id);
-                    let direct = (light.pdf_direct(&scene.geometry, at.p(), &emission.point) * pmf).0;
+                    // Only from here is it known with which density next-event estimation would have found the light;
+                    // at a delta vertex it has none.
+                    let bsdf = &arrival.surface.bsdf;
+                    let direct = if bsdf.is_connectible() {
+                        let receiver = Receiver::new(&at, wo, bsdf.transmits());
+                        scene.pdf_direct(&receiver, id, &emission.point).0
+                    } else {
+                        0.0
+                    };
                     let start = LightStart {
                         pdf_position,
                         pdf_direction,
@@ -104,7 +110,7 @@ impl Bdpt {
         let mut coins = sampler.coins();
         let primary = camera_ray(&scene.camera, pixel, &mut sampler);
         let mut ray = primary.ray;
-        let mut from = ray.o;
+        let mut receiver = Receiver::anywhere(ray.o);
         let mut beta = Rgb::ONE;
         let mut roulette = self.settings.roulette(beta);
         let mut departure: Option<Departure> = None;
@@ -121,7 +127,7 @@ impl Bdpt {
                             Some(departure) => self.mis.arrive(departure, 1.0, 1.0, !through_window),
                         };
                         let point = LightPoint::Infinite(ray.d);
-                        let hit = EmitterHit { point, wo, from, beta, partial, number };
+                        let hit = EmitterHit { point, wo, receiver, beta, partial, number };
                         for &id in &scene.environments {
                             self.hit_emitter(scene, id, &hit, recorder);
                         }
@@ -134,6 +140,7 @@ impl Bdpt {
             if cos_in == 0.0 {
                 return;
             }
+            let from = receiver.p;
             let d2 = distance_squared(from, at.p());
             let partial = match &departure {
                 None => {
@@ -144,7 +151,7 @@ impl Bdpt {
             };
             let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };
             if let Some(id) = arrival.surface.light {
-                let hit = EmitterHit { point: LightPoint::Surface(at), wo, from, beta, partial, number };
+                let hit = EmitterHit { point: LightPoint::Surface(at), wo, receiver, beta, partial, number };
                 self.hit_emitter(scene, id, &hit, recorder);
             }
             // Vertex `number` would scatter for the (number − 1)th time.
@@ -153,7 +160,6 @@ impl Bdpt {
             }
             let block = (number - 2) * camera_dimensions::BLOCK;
             if vertex.bsdf.is_connectible() {
-                sampler.set_dimension(block + camera_dimensions::LIGHT_CHOICE);
                 self.connect_to_light(scene, &vertex, &mut sampler, block, recorder);
                 self.connect_to_subpaths(scene, &vertex, recorder);
             }
@@ -165,7 +171,7 @@ impl Bdpt {
             // `direct` at camera vertex i stands for the technique with i − 1 camera vertices.
             let count = if number == 2 { self.mis.light_paths } else { self.mis.connections };
             departure = Some(depart(&vertex, &next, count));
-            from = at.p();
+            receiver = vertex.receiver();
             ray = Ray::new(at.origin(next.wi), next.wi);
             number += 1;
         }

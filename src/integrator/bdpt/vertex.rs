@@ -3,6 +3,7 @@
 use super::mis::Partial;
 use crate::bsdf::Bsdf;
 use crate::geometry::SurfacePoint;
+use crate::light::Receiver;
 use crate::math::{Rgb, Vec3};
 
 /// A surface point that a subpath scatters at.
@@ -20,4 +21,12 @@ pub struct Vertex {
     pub partial: Partial,
     /// Number of vertices of the subpath up to here, this one included.
     pub number: u32,
+}
+
+impl Vertex {
+    /// The vertex as next-event estimation sees it: the same from either end of a path.
+    #[inline]
+    pub fn receiver(&self) -> Receiver {
+        Receiver::new(&self.at, self.wo, self.bsdf.transmits())
+    }
 }

@@ -113,11 +113,9 @@ fn triangles() {
 
 #[test]
 fn spheres() {
-    for (center, radius) in [
-        (DVec3::new(0.0, 0.0, 3.0), 1.0),
-        (DVec3::new(1.0, -2.0, 0.5), 2.25),
-        (DVec3::new(-3.0, 4.0, 1.0), 0.01),
-    ] {
+    for (center, radius) in
+        [(DVec3::new(0.0, 0.0, 3.0), 1.0), (DVec3::new(1.0, -2.0, 0.5), 2.25), (DVec3::new(-3.0, 4.0, 1.0), 0.01)]
+    {
         let cone = SphereCone::new(center, radius).expect("outside");
         let place = |n: DVec3| center + n * radius;
         check(
@@ -167,8 +165,10 @@ fn faces_of_a_cube_subtend_the_sphere() {
             let corner = at(axis) * side - at(axis + 1) - at(axis + 2) - p;
             let face = SphericalRectangle::new(corner, [at(axis + 1), at(axis + 2)], [2.0, 2.0]).expect("safe");
             let edges = [at(axis + 1) * 2.0, at(axis + 2) * 2.0];
-            let halves = [[corner, corner + edges[0], corner + edges[0] + edges[1]],
-                [corner, corner + edges[1], corner + edges[0] + edges[1]]];
+            let halves = [
+                [corner, corner + edges[0], corner + edges[0] + edges[1]],
+                [corner, corner + edges[1], corner + edges[0] + edges[1]],
+            ];
             let split: f64 = halves.map(|t| SphericalTriangle::new(t).expect("safe").solid_angle()).iter().sum();
             assert!((face.solid_angle() - split).abs() < 1e-12, "{} {split}", face.solid_angle());
             sum += face.solid_angle();

@@ -24,7 +24,7 @@ use crate::bsdf::{Bsdf, Transport};
 use crate::camera::CameraSample;
 use crate::geometry::SurfacePoint;
 use crate::integrator::{Crop, Settings};
-use crate::light::LightPoint;
+use crate::light::{LightPoint, Receiver};
 use crate::math::{Rgb, Vec3};
 use crate::scene::Scene;
 use crate::scene::desc::Heuristic;
@@ -114,9 +114,14 @@ impl Judge<'_> {
             return None;
         }
         let geometry = &scene.geometry;
-        let (pmf_emission, pmf_direct) = (choice.pmf_emission(path.light), choice.pmf_direct(p(1), path.light));
+        let pmf_emission = choice.pmf_emission(path.light);
         let emission = (light.pdf_emission_position(geometry, &path.start) * pmf_emission).0;
-        let direct = (light.pdf_direct(geometry, p(1), &path.start) * pmf_direct).0;
+        // Nobody asks for light at the camera: (1,1) starts by emission.
+        let receiver = match path.inner.first() {
+            Some(v) => Receiver::new(&v.at, dir(1, 0), v.bsdf.transmits()),
+            None => Receiver::anywhere(p(1)),
+        };
+        let direct = scene.pdf_direct(&receiver, path.light, &path.start).0;
         let direction = light.pdf_emission_direction(&path.start, dir(0, 1)).0;
 
         // Scattering in both directions of travel; index 0 unused.
@@ -169,6 +174,8 @@ impl Judge<'_> {
         let feasible = |s: usize| match s {
             0 => !light.is_delta(),
             s if s == k && k == 1 => !light.is_delta() && !path.windows[0],
+            // A light that the choice knows not to shine on the receiver is never sampled there.
+            1 if direct == 0.0 => false,
             s => connectible(s - 1) && connectible(s) && !path.windows[s - 1],
         };
         let count = |s: usize| match s {
@@ -196,8 +203,8 @@ impl Judge<'_> {
                 match s {
                     0 => {
                         let Vertex { wo, beta, partial, number, .. } = camera_side(0);
-                        let hit = EmitterHit { point: path.start, wo, from: p(1), beta, partial, number };
-                        Some(b.evaluate_emitter(scene, light, &hit, [pmf_emission, pmf_direct]))
+                        let hit = EmitterHit { point: path.start, wo, receiver, beta, partial, number };
+                        Some(b.evaluate_emitter(scene, path.light, &hit, pmf_emission))
                     }
                     s if s == k && k == 1 => {
                         let LightPoint::Surface(at) = &path.start else { return None };

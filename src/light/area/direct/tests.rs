@@ -1,0 +1,108 @@
+//! Next-event estimation's points: the density of what is sampled is the density when asked for, and its integral over the
+//! surface is one.
+
+use super::*;
+use crate::geometry::Quadric;
+use crate::light::area::Emission;
+use crate::math::{DAffine3, Rgb};
+
+const EMISSION: Emission = Emission { radiance: Rgb::ONE, two_sided: false };
+
+fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> (Geometry, AreaLight) {
+    let n = triangles.len();
+    let geometry = Geometry { positions, triangle_surface: vec![0; n], triangles, ..Geometry::default() };
+    let light = AreaLight::from_triangles(&geometry, 0..n as u32, EMISSION, 0).expect("has an area");
+    (geometry, light)
+}
+
+fn quadric(kind: QuadricKind, map: DAffine3) -> (Geometry, AreaLight) {
+    let geometry =
+        Geometry { quadrics: vec![Quadric::new(kind, map, false)], quadric_surface: vec![0], ..Geometry::default() };
+    let light = AreaLight::from_quadric(&geometry, 0, EMISSION, 0).expect("has an area");
+    (geometry, light)
+}
+
+/// Lights around the origin, each with whether near receivers see it by solid angle.
+fn lights() -> Vec<(&'static str, (Geometry, AreaLight), bool)> {
+    let turn = DAffine3::from_axis_angle(DVec3::new(1.0, 0.5, -2.0).normalize(), 1.1);
+    let at = |x: f64, y: f64, z: f64| turn.transform_point3(DVec3::new(x, y, z)).as_vec3a();
+    let quad = |skew: f64| {
+        let corners =
+            vec![at(-0.5, -0.3, 0.0), at(0.5, -0.3, 0.0), at(0.5 + skew, 0.3, 0.0), at(-0.5 + skew, 0.3, 0.0)];
+        mesh(corners, vec![[0, 1, 2], [0, 2, 3]])
+    };
+    let pyramid =
+        vec![at(0.0, 0.0, 0.3), at(0.4, 0.4, 0.0), at(-0.4, 0.4, 0.0), at(-0.4, -0.4, 0.0), at(0.4, -0.4, 0.0)];
+    let ball = DAffine3::from_translation(DVec3::new(0.05, 0.0, 0.0)) * turn * DAffine3::from_scale(DVec3::splat(0.4));
+    let egg = turn * DAffine3::from_scale(DVec3::new(0.4, 0.3, 0.5));
+    vec![
+        ("rectangle", quad(0.0), true),
+        ("parallelogram", quad(0.2), false),
+        ("triangle", mesh(vec![at(-0.5, -0.3, 0.1), at(0.5, -0.3, 0.0), at(0.0, 0.4, 0.0)], vec![[0, 1, 2]]), true),
+        ("pyramid", mesh(pyramid, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]]), true),
+        ("sphere", quadric(QuadricKind::Sphere, ball), true),
+        ("ellipsoid", quadric(QuadricKind::Sphere, egg), false),
+        ("disk", quadric(QuadricKind::Disk, egg), false),
+    ]
+}
+
+fn grid(n: u32) -> impl Iterator<Item = [f32; 2]> {
+    (0..n * n).map(move |i| [(i % n) as f32 + 0.5, (i / n) as f32 + 0.5].map(|x| x / n as f32))
+}
+
+#[test]
+fn densities_are_those_of_what_is_sampled_and_integrate_to_one() {
+    for (what, (geometry, light), by_solid_angle) in lights() {
+        for from in [
+            Vec3::new(0.2, 0.5, 0.3),
+            Vec3::new(-0.4, -0.1, -0.4),
+            Vec3::new(1.0, -2.0, 4.0),
+            Vec3::new(30.0, 20.0, 10.0),
+        ] {
+            let near = from.length() < 0.7 || matches!(light.emitter, Emitter::Quadric { .. });
+            for part in 0..light.parts() {
+                for u in grid(16) {
+                    let Some((at, pdf)) = light.sample_direct(&geometry, from, part, u) else { continue };
+                    assert_eq!(light.part_of(&at), part, "{what}");
+                    let again = light.pdf_direct(&geometry, from, &at);
+                    assert!((again.0 / pdf.0 - 1.0).abs() < 1e-6, "{what} from {from}: {pdf:?} {again:?}");
+                    let edge = LightPoint::Surface(at).edge_from(from).expect("apart");
+                    if by_solid_angle && near {
+                        // What every sample says of the solid angle is the same: that is uniformity.
+                        let omega = edge.cos / (edge.d2 * pdf.0);
+                        let first = light.sample_direct(&geometry, from, part, [0.4, 0.6]).expect("seen");
+                        let other = LightPoint::Surface(first.0).edge_from(from).expect("apart");
+                        let other = other.cos / (other.d2 * first.1.0);
+                        assert!((omega / other - 1.0).abs() < 1e-9, "{what} from {from}: {omega} {other}");
+                    }
+                }
+            }
+            // ∫ pdf dA over the surface, drawn uniformly by area: parts are chosen by area there.
+            let n = 256;
+            let mut sum = 0.0;
+            for (i, u) in (0..).zip(grid(n)) {
+                let part = (f64::from(i) * 0.618_033_988_749_895).fract();
+                let (at, pdf) = light.sample_point(&geometry, part, u).expect("a point");
+                let area = match &light.emitter {
+                    Emitter::Triangles { .. } => triangle_area(geometry.corners(at.primitive)),
+                    _ => 1.0 / pdf.0,
+                };
+                // A sphere's far side is not sampled from outside: its density there belongs to no path.
+                let seen =
+                    !matches!(light.emitter, Emitter::Quadric { ball: Some(_), .. }) || at.ng.dot(from - at.p()) > 0.0;
+                sum += if seen { light.pdf_direct(&geometry, from, &at).0 * area } else { 0.0 };
+            }
+            let mean = sum / f64::from(n * n);
+            assert!((mean - 1.0).abs() < 5e-3, "{what} from {from}: ∫ pdf = {mean}");
+        }
+    }
+}
+
+/// From inside a sphere all of its surface is seen, and sampled.
+#[test]
+fn from_inside_a_sphere_its_area_is_sampled() {
+    let (geometry, light) = quadric(QuadricKind::Sphere, DAffine3::from_scale(DVec3::splat(0.5)));
+    let (at, pdf) = light.sample_direct(&geometry, Vec3::new(0.1, 0.2, 0.0), 0, [0.3, 0.7]).expect("a point");
+    assert!((pdf.0 - 1.0 / light.area).abs() < 1e-6);
+    assert_eq!(light.pdf_direct(&geometry, Vec3::new(0.1, 0.2, 0.0), &at), pdf);
+}

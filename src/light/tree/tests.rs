@@ -1,0 +1,182 @@
+use super::*;
+use crate::sampling::warp;
+use std::f32::consts::PI;
+
+/// A stream of numbers in [0, 1).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1 << 24) as f32
+    }
+
+    fn direction(&mut self) -> Vec3 {
+        warp::uniform_sphere([self.next(), self.next()])
+    }
+
+    fn place(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next()) * 2.0 - Vec3::ONE
+    }
+}
+
+/// Small flat emitters, spots and points all over a cube.
+fn emitters(n: usize, seed: u64) -> Vec<EmitterBound> {
+    let mut r = Numbers(seed);
+    (0..n)
+        .map(|i| {
+            let (p, axis) = (r.place(), r.direction());
+            let size = if i % 3 == 0 { Vec3::splat(0.1 * r.next()) } else { Vec3::ZERO };
+            let (theta_normals, theta_reach) = match i % 3 {
+                0 => (0.0, 0.5 * PI),
+                1 => (0.0, 0.2 + r.next()),
+                _ => (PI, 0.5 * PI),
+            };
+            let power = f64::powf(10.0, 6.0 * f64::from(r.next()) - 3.0);
+            EmitterBound { lo: p - size, hi: p + size, axis, theta_normals, theta_reach, two_sided: i % 6 == 0, power }
+        })
+        .collect()
+}
+
+fn receivers(n: usize) -> Vec<Receiver> {
+    let mut r = Numbers(99);
+    (0..n)
+        .map(|i| {
+            let p = r.place() * 1.5;
+            Receiver { p, n: if i % 3 == 0 { Vec3::ZERO } else { r.direction() } }
+        })
+        .collect()
+}
+
+#[test]
+fn the_probability_of_what_is_sampled_is_its_pmf_and_all_sum_to_one() {
+    for n in [1, 2, 3, 7, 100] {
+        let emitters = emitters(n, n as u64);
+        let tree = LightTree::new(&emitters).expect("some emitters");
+        for receiver in receivers(60) {
+            let pmf: Vec<f64> = (0..n as u32).map(|e| tree.pmf(&receiver, e)).collect();
+            let sum: f64 = pmf.iter().sum();
+            // Where nothing shines a descent may end between two halves that send nothing, and part of the mass is lost.
+            assert!(sum <= 1.0 + 1e-12, "{n}: {sum}");
+            let steps = 4000;
+            let mut counts = vec![0u32; n];
+            for i in 0..steps {
+                let Some((e, p)) = tree.sample(&receiver, (f64::from(i) + 0.5) / f64::from(steps)) else { continue };
+                assert_eq!(p, pmf[e as usize], "{n}: what was sampled has another probability when asked for");
+                counts[e as usize] += 1;
+            }
+            for (c, p) in counts.iter().zip(&pmf) {
+                // A strip of [0, 1) holds the midpoints of its length, up to one at each end; strips of one emitter are one.
+                assert!((f64::from(*c) / f64::from(steps) - p).abs() < 2.0 / f64::from(steps), "{n}: {c} {p}");
+            }
+        }
+    }
+}
+
+/// Points of flat emitters, and spots and points, that face a receiver which faces them always have a chance.
+#[test]
+fn what_shines_on_the_receiver_has_a_chance() {
+    let n = 300;
+    let emitters = emitters(n, 5);
+    let tree = LightTree::new(&emitters).expect("some emitters");
+    let mut r = Numbers(7);
+    let mut shining = 0;
+    for receiver in receivers(300) {
+        for (e, b) in emitters.iter().enumerate() {
+            let y = b.lo + (b.hi - b.lo) * Vec3::new(r.next(), r.next(), r.next());
+            let w = (y - receiver.p).normalize();
+            let theta = angle_between(-w, b.axis);
+            let shines = b.theta_normals == PI || theta < b.theta_reach || (b.two_sided && PI - theta < b.theta_reach);
+            let faces = receiver.n == Vec3::ZERO || w.dot(receiver.n) > 0.0;
+            if shines && faces {
+                shining += 1;
+                assert!(tree.pmf(&receiver, e as u32) > 0.0, "{b:?} from {receiver:?}");
+            }
+        }
+    }
+    assert!(shining > 10_000, "{shining}");
+}
+
+fn angle_between(a: Vec3, b: Vec3) -> f32 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+/// The near, the facing and the bright are chosen more often: against the contributions of points to a plane.
+#[test]
+fn the_choice_follows_what_arrives() {
+    let mut r = Numbers(3);
+    let n = 200;
+    let emitters: Vec<EmitterBound> = (0..n)
+        .map(|_| {
+            let p = r.place();
+            EmitterBound {
+                lo: p,
+                hi: p,
+                axis: Vec3::Z,
+                theta_normals: PI,
+                theta_reach: 0.5 * PI,
+                two_sided: false,
+                power: f64::from(0.1 + r.next()),
+            }
+        })
+        .collect();
+    let tree = LightTree::new(&emitters).expect("some emitters");
+    let (mut by_tree, mut by_power) = (0.0, 0.0);
+    for receiver in receivers(200).into_iter().filter(|r| r.n != Vec3::ZERO) {
+        let arriving: Vec<f64> = emitters
+            .iter()
+            .map(|b| {
+                let d = b.lo - receiver.p;
+                b.power * f64::from((receiver.n.dot(d.normalize())).max(0.0) / d.length_squared())
+            })
+            .collect();
+        let total: f64 = arriving.iter().sum();
+        let power: f64 = emitters.iter().map(|b| b.power).sum();
+        if total == 0.0 {
+            continue;
+        }
+        // Second moments of the estimate of the total, relative.
+        for (e, a) in arriving.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+            by_tree += (a / total).powi(2) / tree.pmf(&receiver, e as u32);
+            by_power += (a / total).powi(2) / (emitters[e].power / power);
+        }
+    }
+    assert!(by_tree < 0.3 * by_power, "{by_tree} against {by_power}");
+}
+
+#[test]
+fn a_million_emitters_and_emitters_in_one_place() {
+    let many = emitters(1_000_000, 11);
+    let start = std::time::Instant::now();
+    let tree = LightTree::new(&many).expect("some emitters");
+    println!("10⁶ emitters in {:.2} s", start.elapsed().as_secs_f64());
+    let receiver = receivers(2)[1];
+    for i in 0..2000 {
+        let Some((e, p)) = tree.sample(&receiver, (f64::from(i) + 0.5) / 2000.0) else { continue };
+        assert_eq!(p, tree.pmf(&receiver, e));
+    }
+    let place = many[0];
+    let tree = LightTree::new(&vec![place; 10_000]).expect("some emitters");
+    let sum: f64 = (0..10_000).map(|e| tree.pmf(&Receiver::anywhere(Vec3::splat(3.0)), e)).sum();
+    assert!((sum - 1.0).abs() < 1e-9 || sum == 0.0, "{sum}");
+}
+
+/// In the same place as a delta light, at the rim of a cone, with powers a trillion apart: finite, and a probability.
+#[test]
+fn extremes_are_finite() {
+    let at = |p: Vec3, power: f64| EmitterBound {
+        lo: p,
+        hi: p,
+        axis: Vec3::Z,
+        theta_normals: PI,
+        theta_reach: 0.5 * PI,
+        two_sided: false,
+        power,
+    };
+    let tree = LightTree::new(&[at(Vec3::ZERO, 1e-20), at(Vec3::X, 1e-8), at(Vec3::Y, 1e20)]).expect("some emitters");
+    for p in [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(1e-20), Vec3::splat(1e18)] {
+        let pmf: Vec<f64> = (0..3).map(|e| tree.pmf(&Receiver::anywhere(p), e)).collect();
+        assert!(pmf.iter().all(|p| p.is_finite() && *p >= 0.0), "{p}: {pmf:?}");
+        assert!((pmf.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{p}: {pmf:?}");
+    }
+}
