@@ -15,6 +15,8 @@ mod delta_lights;
 mod enclosures;
 #[path = "analytic/infinite_lights.rs"]
 mod infinite_lights;
+#[path = "analytic/many_lights.rs"]
+mod many_lights;
 #[path = "analytic/specular.rs"]
 mod specular;
 #[path = "analytic/textures.rs"]

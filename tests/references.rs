@@ -8,8 +8,8 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use common::{Budget, DefaultAccel, images, settings};
-use twinlight::compare::stats::{Moments, normal_quantile, sidak, student_t_two_sided};
+use common::{Budget, DefaultAccel, images, settings, validation_row};
+use twinlight::compare::stats::{Interval, Moments, normal_quantile, sidak, student_t_two_sided};
 use twinlight::film::Image;
 use twinlight::import::load_scene;
 use twinlight::integrator::Integrator::{self, Bdpt, Light, Path as PathTracer};
@@ -71,7 +71,9 @@ fn check(name: &str, rel_mse: f64, integrators: &[(Integrator, u32)]) {
                 moments.push(image.mean()[channel] / want - 1.0);
             }
             let interval = moments.confidence_interval(0.99);
-            println!("{what}, channel {channel}: ratio − 1 in [{:+.5}, {:+.5}]", interval.low, interval.high);
+            let case = format!("{what}, channel {channel}");
+            let measured = (1.0 + moments.mean()) * want;
+            validation_row(file!(), &case, measured, want, [interval.low, interval.high], 5e-3, f64::NAN);
             assert!(interval.within(5e-3), "{what}, channel {channel}: {interval:?}");
         }
 
@@ -112,7 +114,9 @@ fn check(name: &str, rel_mse: f64, integrators: &[(Integrator, u32)]) {
             let mut ratio = Moments::default();
             of_renders.iter().for_each(|b| ratio.push(sum(b) / sum(&of_reference) - 1.0));
             let interval = ratio.confidence_interval(0.99);
-            println!("{what}, quarter {quarter}: ratio − 1 in [{:+.5}, {:+.5}]", interval.low, interval.high);
+            let case = format!("{what}, quarter {quarter}, relative");
+            let Interval { low, high } = interval;
+            validation_row(file!(), &case, 1.0 + ratio.mean(), 1.0, [low, high], 2e-2, f64::NAN);
             assert!(interval.within(2e-2), "{what}: quarter {quarter} of the image is off by {interval:?}");
         }
         // Correlation of neighbours along rows and columns; without structure it is about normal, of variance 1/pairs.

@@ -30,7 +30,7 @@ fn lambert(corners: &[DVec3]) -> DVec3 {
 }
 
 /// `E/(πL)` on a plane through the origin with normal `n`, of a polygon above it.
-fn form_factor(corners: &[DVec3], n: DVec3) -> f64 {
+pub fn form_factor(corners: &[DVec3], n: DVec3) -> f64 {
     lambert(corners).dot(n).abs() / TAU
 }
 

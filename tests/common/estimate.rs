@@ -1,5 +1,7 @@
 //! The two-sided assertions.
 
+use std::panic::Location;
+
 use twinlight::compare::stats::{Moments, Welch, sidak, student_t_quantile, student_t_two_sided};
 use twinlight::film::Image;
 
@@ -76,8 +78,7 @@ pub fn expect_colored(grey: &[f64], color: [f64; 3]) -> Vec<f64> {
 struct Family {
     /// Smallest p-value.
     p: f64,
-    /// Largest |bias| and the farthest end of an interval, relative.
-    bias: f64,
+    /// The farthest end of an interval, relative.
     reach: f64,
     /// In words, what is wrong.
     faults: Vec<String>,
@@ -85,22 +86,47 @@ struct Family {
     level: f64,
     rounding: f64,
     bound: f64,
+    /// What came closest to its bound.
+    closest: Closest,
+}
+
+/// One comparison: the two values, and the interval of their relative difference.
+#[derive(Clone, Copy, Debug, Default)]
+struct Closest {
+    measured: f64,
+    expected: f64,
+    low: f64,
+    high: f64,
+}
+
+/// Prints a row of the table that `scripts/test-deep` makes of all comparisons (docs/VALIDATION.md): `low` and `high` end
+/// the 99 % interval of the relative difference of what was `measured` from what was `expected`, `p` is the smallest.
+#[allow(clippy::too_many_arguments)] // the columns of a table
+pub fn validation_row(file: &str, case: &str, measured: f64, expected: f64, [low, high]: [f64; 2], bound: f64, p: f64) {
+    let percent = |x: f64| format!("{:+.3}", 100.0 * x);
+    let (low, high, bound) = (percent(low), percent(high), format!("{:.3}", 100.0 * bound));
+    eprintln!("validation\t{file}\t{case}\t{measured:.6e}\t{expected:.6e}\t{low}\t{high}\t{bound}\t{p:.3}");
 }
 
 impl Family {
     fn new(tests: usize, bound: f64, rounding: f64) -> Self {
         let level = sidak(ALPHA, tests as u64);
-        Self { p: 1.0, bias: 0.0, reach: 0.0, faults: Vec::new(), level, rounding, bound }
+        Self { p: 1.0, reach: 0.0, faults: Vec::new(), level, rounding, bound, closest: Closest::default() }
     }
 
-    /// Judges one difference with its standard error and degrees of freedom; `unit` is what relative means here.
-    fn judge(&mut self, place: &str, difference: f64, error: f64, dof: f64, unit: f64) {
+    /// Judges the difference of two values with its standard error and degrees of freedom; `unit` is what relative means
+    /// here.
+    fn judge(&mut self, place: &str, [measured, expected]: [f64; 2], error: f64, dof: f64, unit: f64) {
+        let difference = measured - expected;
         let excess = (difference.abs() - self.rounding * unit).max(0.0);
         let p = if error > 0.0 { student_t_two_sided(excess / error, dof) } else { f64::from(u8::from(excess == 0.0)) };
         let half = if error > 0.0 { student_t_quantile(0.5 + 0.5 * CONFIDENCE, dof) * error } else { 0.0 };
         let reach = (difference.abs() + half) / unit;
+        if reach >= self.reach {
+            self.closest =
+                Closest { measured, expected, low: (difference - half) / unit, high: (difference + half) / unit };
+        }
         self.p = self.p.min(p);
-        self.bias = self.bias.max(difference.abs() / unit);
         self.reach = self.reach.max(reach);
         if p.is_nan() || p < self.level {
             self.faults.push(format!("{place}: off by {:+.4} %, p = {p:.2e}", 100.0 * difference / unit));
@@ -112,19 +138,17 @@ impl Family {
         }
     }
 
-    fn conclude(self, what: &str, scope: &str) {
-        eprintln!(
-            "{what}, {scope}: largest bias {:.4} %, intervals inside ±{:.4} %, smallest p {:.3}",
-            100.0 * self.bias,
-            100.0 * self.reach,
-            self.p
-        );
+    fn conclude(self, what: &str, scope: &str, file: &str) {
+        let Closest { measured, expected, low, high } = self.closest;
+        validation_row(file, &format!("{what}, {scope}"), measured, expected, [low, high], self.bound, self.p);
         assert!(self.faults.is_empty(), "{what}, {scope}:\n  {}", self.faults.join("\n  "));
     }
 }
 
 /// Demands that independent images have the expected values: `expected` per tile and channel (channel fastest).
+#[track_caller]
 pub fn assert_closed(what: &str, images: &[Image], expected: &[f64], bounds: Bounds) {
+    let file = Location::caller().file();
     let tiles = (bounds.grid[0] * bounds.grid[1]) as usize;
     assert_eq!(expected.len(), 3 * tiles, "{what}: one expected value per tile and channel");
     let whole: Vec<f64> = (0..3).map(|c| expected.iter().skip(c).step_by(3).sum::<f64>() / tiles as f64).collect();
@@ -141,9 +165,9 @@ pub fn assert_closed(what: &str, images: &[Image], expected: &[f64], bounds: Bou
                 continue;
             }
             let error = (m.variance() / m.count() as f64).sqrt();
-            family.judge(&place, m.mean() - e, error, m.count() as f64 - 1.0, e);
+            family.judge(&place, [m.mean(), e], error, m.count() as f64 - 1.0, e);
         }
-        family.conclude(what, scope);
+        family.conclude(what, scope, file);
         if tiles == 1 {
             break;
         }
@@ -151,7 +175,9 @@ pub fn assert_closed(what: &str, images: &[Image], expected: &[f64], bounds: Bou
 }
 
 /// Demands that two sets of independent images have the same means, by Welch's test.
+#[track_caller]
 pub fn assert_same(what: &str, a: &[Image], b: &[Image], bounds: Bounds) {
+    let file = Location::caller().file();
     let means = tile_moments(b, [1, 1]);
     for (scope, grid, bound) in [("mean", [1, 1], bounds.mean), ("tiles", bounds.grid, bounds.tile)] {
         let (ma, mb) = (tile_moments(a, grid), tile_moments(b, grid));
@@ -161,9 +187,9 @@ pub fn assert_same(what: &str, a: &[Image], b: &[Image], bounds: Bounds) {
             assert!(unit > 0.0, "{what}: channel {} is black; nothing is compared", i % 3);
             let place = format!("tile {} channel {}", i / 3, i % 3);
             let welch = Welch::new(x, y);
-            family.judge(&place, welch.difference, welch.error, welch.dof, unit);
+            family.judge(&place, [x.mean(), y.mean()], welch.error, welch.dof, unit);
         }
-        family.conclude(what, scope);
+        family.conclude(what, scope, file);
         if bounds.grid == [1, 1] {
             break;
         }

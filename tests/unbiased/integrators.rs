@@ -5,13 +5,14 @@
 //! caustic none by path tracing (scenes with glass have area lights only).
 
 use serde_json::{Value, json};
+use twinlight::compare::stats::Interval;
 use twinlight::film::Image;
 use twinlight::integrator::{Integrator, Settings};
 use twinlight::math::DVec3;
 
 use crate::common::{
     Bounds, Budget, Random, View, assert_same, combined, diffuse, facing, images_by_edges, matrix, pooled_ratio, quad,
-    scene, scene_json, settings, shining, shining_diffuse, sphere,
+    scene, scene_json, settings, shining, shining_diffuse, sphere, validation_row,
 };
 
 /// The lights that random scenes have, one kind each.
@@ -182,7 +183,8 @@ fn agree(
         let label = format!("{what}, {} scenes, {label}", pairs.len());
         let bias = pooled_ratio(pairs);
         let interval = bias.confidence_interval(0.99);
-        eprintln!("{label}: common bias in {interval:?}");
+        let Interval { low, high } = interval;
+        validation_row(file!(), &label, 1.0 + bias.mean(), 1.0, [low, high], bound, f64::NAN);
         // The level at which single tests are judged, too.
         let evidence = bias.confidence_interval(1.0 - 1e-4);
         assert!(evidence.contains(0.0), "{label}: a common bias in {evidence:?}");
