@@ -88,7 +88,7 @@ fn sums_up(what: &str, kinds: &[&str], techniques: &[(&str, Settings)], seed: u6
     surfaces.push(quad(&pose, [0.02; 2], diffuse(ALBEDO.to_vec())));
     let scene = scene(&scene_json(view.moved(&pose).json(), surfaces, lights));
     for (name, settings) in techniques {
-        let images = images(&scene, *settings, Budget::new(1 << 13, seed));
+        let images = images(&scene, *settings, Budget::new(1 << 15, seed));
         assert_closed(&format!("{what}, {name}"), &images, &radiance, Bounds::of_mean(0.005));
     }
 }

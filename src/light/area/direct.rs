@@ -4,7 +4,7 @@
 use crate::geometry::{Geometry, QuadricKind, SurfacePoint, triangle_area};
 use crate::light::LightPoint;
 use crate::light::tree::EmitterBound;
-use crate::math::{DVec3, Vec3, distance_squared, luminance};
+use crate::math::{DVec3, Vec3, distance_squared, gamma, luminance};
 use crate::pdf::AreaPdf;
 use crate::sampling::{SphereCone, SphericalRectangle, SphericalTriangle, warp};
 
@@ -56,11 +56,18 @@ impl AreaLight {
         SphericalRectangle::new(corner.as_dvec3() - from.as_dvec3(), *axes, *size)
     }
 
-    /// The sphere as a receiver outside sees it.
+    /// The sphere as a receiver outside sees it. A receiver on the sphere itself, from which it is seen from inside, may
+    /// have been rounded to the outside: it is not taken for one.
     #[inline]
     fn cone_from(&self, from: Vec3) -> Option<SphereCone> {
         let Emitter::Quadric { ball: Some((center, radius)), .. } = &self.emitter else { return None };
-        SphereCone::new(*center - from.as_dvec3(), *radius)
+        let to = *center - from.as_dvec3();
+        let rounding = f64::from(gamma(16)) * (f64::from(from.abs().max_element()) + center.abs().max_element());
+        let outside = radius * (1.0 + 1e-4) + rounding;
+        if to.length_squared() <= outside * outside {
+            return None;
+        }
+        SphereCone::new(to, *radius)
     }
 
     /// A point of part `part` for next-event estimation at `from`, with its density per area given the part; `None` where

@@ -53,21 +53,30 @@ fn grid(n: u32) -> impl Iterator<Item = [f32; 2]> {
 #[test]
 fn densities_are_those_of_what_is_sampled_and_integrate_to_one() {
     for (what, (geometry, light), by_solid_angle) in lights() {
+        let mut seen_near = 0;
         for from in [
             Vec3::new(0.2, 0.5, 0.3),
             Vec3::new(-0.4, -0.1, -0.4),
             Vec3::new(1.0, -2.0, 4.0),
             Vec3::new(30.0, 20.0, 10.0),
         ] {
-            let near = from.length() < 0.7 || matches!(light.emitter, Emitter::Quadric { .. });
             for part in 0..light.parts() {
+                let near = match &light.emitter {
+                    Emitter::Parallelogram { .. } => light.rectangle_from(from).is_some(),
+                    Emitter::Triangles { triangles, .. } => {
+                        triangle_from(&geometry, from, triangles.start + part).is_some()
+                    }
+                    Emitter::Quadric { .. } => light.cone_from(from).is_some(),
+                };
+                assert!(by_solid_angle || !near, "{what}");
+                seen_near += u32::from(near);
                 for u in grid(16) {
                     let Some((at, pdf)) = light.sample_direct(&geometry, from, part, u) else { continue };
                     assert_eq!(light.part_of(&at), part, "{what}");
                     let again = light.pdf_direct(&geometry, from, &at);
                     assert!((again.0 / pdf.0 - 1.0).abs() < 1e-6, "{what} from {from}: {pdf:?} {again:?}");
                     let edge = LightPoint::Surface(at).edge_from(from).expect("apart");
-                    if by_solid_angle && near {
+                    if near {
                         // What every sample says of the solid angle is the same: that is uniformity.
                         let omega = edge.cos / (edge.d2 * pdf.0);
                         let first = light.sample_direct(&geometry, from, part, [0.4, 0.6]).expect("seen");
@@ -95,14 +104,18 @@ fn densities_are_those_of_what_is_sampled_and_integrate_to_one() {
             let mean = sum / f64::from(n * n);
             assert!((mean - 1.0).abs() < 5e-3, "{what} from {from}: ∫ pdf = {mean}");
         }
+        assert_eq!(seen_near > 0, by_solid_angle, "{what}");
     }
 }
 
-/// From inside a sphere all of its surface is seen, and sampled.
+/// From inside a sphere and from its surface, wherever rounding put the receiver, all of it is seen, and sampled.
 #[test]
 fn from_inside_a_sphere_its_area_is_sampled() {
     let (geometry, light) = quadric(QuadricKind::Sphere, DAffine3::from_scale(DVec3::splat(0.5)));
-    let (at, pdf) = light.sample_direct(&geometry, Vec3::new(0.1, 0.2, 0.0), 0, [0.3, 0.7]).expect("a point");
-    assert!((pdf.0 - 1.0 / light.area).abs() < 1e-6);
-    assert_eq!(light.pdf_direct(&geometry, Vec3::new(0.1, 0.2, 0.0), &at), pdf);
+    let on_it = grid(16).map(|u| warp::uniform_sphere(u) * 0.5);
+    for from in on_it.chain([Vec3::new(0.1, 0.2, 0.0)]) {
+        let (at, pdf) = light.sample_direct(&geometry, from, 0, [0.3, 0.7]).expect("a point");
+        assert!((pdf.0 - 1.0 / light.area).abs() < 1e-6, "{from}");
+        assert_eq!(light.pdf_direct(&geometry, from, &at), pdf);
+    }
 }
