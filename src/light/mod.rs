@@ -17,7 +17,7 @@ pub use choice::LightChoice;
 pub use environment_map::EnvironmentMap;
 pub use infinite::{DirectionalLight, Environment, EnvironmentLight, SceneBall};
 pub use point::{LightEdge, LightPoint};
-pub use spot::SpotLight;
+pub use spot::{Cone, Profile, SpotLight};
 
 use std::f32::consts::PI;
 
