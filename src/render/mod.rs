@@ -14,10 +14,9 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::accel::Accel;
-use crate::film::{Accumulator, Image, Quanta};
+use crate::film::{Accumulator, Image, Quanta, Squares, VarianceFilm};
 use crate::integrator::{Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
 use crate::light::Light;
-use crate::math::Rgb;
 use crate::scene::Scene;
 
 /// What to render.
@@ -120,7 +119,7 @@ pub fn render_with<A: Accel>(
 ) -> Result<Rendered, RenderError> {
     let pool = pool(job.threads)?;
     let mut run = Run::new(scene, job, progress);
-    run.spread = extras.variance.then(|| Spread::new(job.crop, run.emission));
+    run.spread = extras.variance.then(|| VarianceFilm::new(job.crop.width(), job.crop.height(), run.emission));
     pool.install(|| run.all());
     Ok(run.finish())
 }
@@ -131,37 +130,6 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, RenderError> {
         .num_threads(threads)
         .build()
         .map_err(|e| RenderError { message: format!("cannot start {threads} render threads: {e}") })
-}
-
-/// Sums from which pixels' variances follow. A pixel is the mean of what n camera samples found, plus 1/n times the sum
-/// of splats, of which each light subpath makes one with a small probability: a compound Poisson sum, whose variance is
-/// estimated by the sum of squares.
-struct Spread {
-    /// Of what the pixel's own samples found.
-    own: Accumulator,
-    /// Of the squares of that and of splats.
-    squares: Accumulator,
-}
-
-impl Spread {
-    fn new(crop: Crop, emission: f32) -> Self {
-        let film = |emission| Accumulator::new(crop.width(), crop.height(), emission);
-        Self { own: film(emission), squares: film((emission * emission).min(f32::MAX)) }
-    }
-
-    fn square(&self, value: Rgb) -> Quanta {
-        self.squares.quantize(value * value)
-    }
-
-    fn variance(&self, samples: u64) -> Image {
-        let (own, mut variance) = (self.own.resolve(samples), self.squares.resolve(samples));
-        let n = samples.saturating_sub(1).max(1) as f32;
-        for (square, mean) in variance.rgb.iter_mut().flatten().zip(own.rgb.iter().flatten()) {
-            // Rounding alone could make it negative.
-            *square = (*square - mean * mean).max(0.0) / n;
-        }
-        variance
-    }
 }
 
 /// A rectangle of pixels and a range of samples: the unit of work.
@@ -180,7 +148,7 @@ struct Run<'a, A> {
     region: Crop,
     film: Accumulator,
     emission: f32,
-    spread: Option<Spread>,
+    spread: Option<VarianceFilm>,
     techniques: Mutex<BTreeMap<Technique, std::sync::Arc<Accumulator>>>,
     totals: Mutex<Totals>,
     done: AtomicU64,
@@ -262,27 +230,28 @@ impl<'a, A: Accel> Run<'a, A> {
                 let samples = (task.first..task.first + task.count).map(|index| PixelSample { pixel: [x, y], index });
                 if crop.contains([x, y]) {
                     let mut sum = Quanta::default();
-                    let mut squares = Quanta::default();
+                    let mut squares = Squares::default();
                     for sample in samples {
                         integrator.sample(sample, recorder);
-                        sum += self.film.quantize(recorder.radiance());
-                        if let Some(spread) = &self.spread {
-                            squares += spread.square(recorder.radiance());
+                        let quanta = self.film.quantize(recorder.radiance());
+                        sum += quanta;
+                        if self.spread.is_some() {
+                            squares += Squares::of(quanta);
                         }
                     }
                     let pixel = (y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize;
                     self.film.add(pixel, sum);
                     if let Some(spread) = &self.spread {
-                        spread.own.add(pixel, sum);
-                        spread.squares.add(pixel, squares);
+                        spread.add_samples(pixel, sum, squares);
                     }
                 } else {
                     samples.for_each(|sample| integrator.sample_splats(sample, recorder));
                 }
                 for splat in recorder.splats() {
-                    self.film.add(splat.pixel as usize, self.film.quantize(splat.value));
+                    let quanta = self.film.quantize(splat.value);
+                    self.film.add(splat.pixel as usize, quanta);
                     if let Some(spread) = &self.spread {
-                        spread.squares.add(splat.pixel as usize, spread.square(splat.value));
+                        spread.add_splat(splat.pixel as usize, quanta);
                     }
                 }
                 self.keep_apart(recorder);
@@ -330,7 +299,7 @@ impl<'a, A: Accel> Run<'a, A> {
         Rendered {
             image: self.film.resolve(samples),
             techniques: films.into_iter().map(|(t, film)| (t, film.resolve(samples))).collect(),
-            variance: self.spread.as_ref().map(|spread| spread.variance(samples)),
+            variance: self.spread.as_ref().map(|spread| spread.resolve(samples)),
             rays: totals.rays,
             rejected: totals.rejected,
             rejected_first: totals.rejected_first,
