@@ -46,6 +46,30 @@ pub enum Aov {
     Lights,
 }
 
+impl Aov {
+    /// How many channels it has; `edges` are those of the longest paths that are told apart.
+    pub fn channels(self, edges: u32) -> u64 {
+        match self {
+            Self::Depth | Self::Primitive | Self::Material | Self::SampleCount => 1,
+            Self::Lights => 2,
+            Self::Albedo | Self::Normal | Self::ShadingNormal | Self::Variance => 3,
+            Self::Direct => 9,
+            Self::PerDepth => 3 * u64::from(edges),
+        }
+    }
+
+    /// Whether it shows what camera rays meet first.
+    pub fn is_of_first_surface(self) -> bool {
+        match self {
+            Self::Albedo | Self::Normal | Self::ShadingNormal | Self::Depth | Self::Primitive | Self::Material => true,
+            Self::Direct | Self::PerDepth | Self::Variance | Self::SampleCount | Self::Lights => false,
+        }
+    }
+}
+
+/// Working memory per pixel of the images of first surfaces, besides their channels: rows are joined when all are there.
+pub const FIRST_SURFACE_BYTES: u64 = 2 * size_of::<Texel>() as u64;
+
 /// Camera rays per pixel whose first surfaces are averaged, at the most.
 const MOST_RAYS: u32 = 64;
 
@@ -94,7 +118,7 @@ impl AovJob<'_> {
     pub fn of_scene<A: Accel>(&self, scene: &Scene<A>) -> Result<Vec<Channel>, RenderError> {
         let mut out = Vec::new();
         use Aov::{Albedo, Depth, Lights, Material, Normal, Primitive, SampleCount, ShadingNormal};
-        if self.wants(&[Albedo, Normal, ShadingNormal, Depth, Primitive, Material]) {
+        if self.wanted.iter().any(|aov| aov.is_of_first_surface()) {
             let row = |y| (self.crop.x0..self.crop.x1).map(|x| self.texel(scene, [x, y])).collect::<Vec<_>>();
             let texels: Vec<Texel> = pool(self.threads)?
                 .install(|| (self.crop.y0..self.crop.y1).into_par_iter().map(row).collect::<Vec<_>>())

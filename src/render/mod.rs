@@ -3,7 +3,7 @@
 
 mod aov;
 
-pub use aov::{Aov, AovJob};
+pub use aov::{Aov, AovJob, FIRST_SURFACE_BYTES};
 
 use std::collections::BTreeMap;
 use std::fmt;
