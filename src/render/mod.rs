@@ -7,15 +7,15 @@ pub use aov::{Aov, AovJob, FIRST_SURFACE_BYTES};
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use crate::accel::Accel;
 use crate::film::{Accumulator, Image, Quanta, Squares, VarianceFilm};
-use crate::integrator::{Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
+use crate::integrator::{Contribution, Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
 use crate::light::Light;
 use crate::scene::Scene;
 
@@ -132,6 +132,47 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, RenderError> {
         .map_err(|e| RenderError { message: format!("cannot start {threads} render threads: {e}") })
 }
 
+/// The films of techniques kept apart, each made when the first contribution comes; adding to them takes no lock.
+#[derive(Debug)]
+struct TechniqueFilms {
+    /// Number of edges of the longest paths; 0 for none.
+    edges: u32,
+    crop: Crop,
+    emission: f32,
+    /// By `slot`.
+    films: Vec<OnceLock<Accumulator>>,
+}
+
+impl TechniqueFilms {
+    fn new(job: &RenderJob, emission: f32) -> Self {
+        let edges = job.pyramid.unwrap_or(0);
+        // Paths of n edges are made by n + 1 techniques (t = 0 is not built).
+        let films = (0..=edges).flat_map(|n| 0..if n == 0 { 0 } else { n + 1 }).map(|_| OnceLock::new()).collect();
+        Self { edges, crop: job.crop, emission, films }
+    }
+
+    /// The place of a technique among them: by number of edges, then by s.
+    fn slot(&self, t: Technique) -> Option<usize> {
+        let edges = (t.s + t.t).checked_sub(1).filter(|edges| t.t > 0 && (1..=self.edges).contains(edges))?;
+        // Shorter paths have 2, 3, …, edges techniques.
+        Some((edges as usize + 2) * (edges as usize - 1) / 2 + t.s as usize)
+    }
+
+    fn add(&self, contributions: &[Contribution]) {
+        for c in contributions {
+            let Some(film) = self.slot(c.technique).and_then(|i| self.films.get(i)) else { continue };
+            let film = film.get_or_init(|| Accumulator::new(self.crop.width(), self.crop.height(), self.emission));
+            film.add(c.pixel as usize, film.quantize(c.value));
+        }
+    }
+
+    fn resolve(&self, samples: u64) -> BTreeMap<Technique, Image> {
+        let all = (1..=self.edges).flat_map(|edges| (0..=edges).map(move |s| Technique { s, t: edges + 1 - s }));
+        let made = all.zip(&self.films).filter_map(|(t, film)| Some((t, film.get()?)));
+        made.map(|(t, film)| (t, film.resolve(samples))).collect()
+    }
+}
+
 /// A rectangle of pixels and a range of samples: the unit of work.
 #[derive(Clone, Copy, Debug)]
 struct Task {
@@ -149,7 +190,7 @@ struct Run<'a, A> {
     film: Accumulator,
     emission: f32,
     spread: Option<VarianceFilm>,
-    techniques: Mutex<BTreeMap<Technique, std::sync::Arc<Accumulator>>>,
+    techniques: TechniqueFilms,
     totals: Mutex<Totals>,
     done: AtomicU64,
     rays: AtomicU64,
@@ -187,7 +228,7 @@ impl<'a, A: Accel> Run<'a, A> {
             film: Accumulator::new(job.crop.width(), job.crop.height(), emission),
             emission,
             spread: None,
-            techniques: Mutex::default(),
+            techniques: TechniqueFilms::new(job, emission),
             totals: Mutex::default(),
             done: AtomicU64::new(0),
             rays: AtomicU64::new(0),
@@ -254,7 +295,7 @@ impl<'a, A: Accel> Run<'a, A> {
                         spread.add_splat(splat.pixel as usize, quanta);
                     }
                 }
-                self.keep_apart(recorder);
+                self.techniques.add(recorder.by_technique());
                 recorder.clear();
             }
         }
@@ -274,31 +315,12 @@ impl<'a, A: Accel> Run<'a, A> {
         }
     }
 
-    /// Adds what the recorder kept apart to the techniques' own films.
-    fn keep_apart(&self, recorder: &Recorder) {
-        let Some(edges) = self.job.pyramid else { return };
-        for c in recorder.by_technique() {
-            if c.technique.s + c.technique.t > edges + 1 {
-                continue;
-            }
-            let film = match self.techniques.lock() {
-                Ok(mut films) => std::sync::Arc::clone(films.entry(c.technique).or_insert_with(|| {
-                    let crop = self.job.crop;
-                    std::sync::Arc::new(Accumulator::new(crop.width(), crop.height(), self.emission))
-                })),
-                Err(_) => return,
-            };
-            film.add(c.pixel as usize, film.quantize(c.value));
-        }
-    }
-
     fn finish(self) -> Rendered {
         let samples = u64::from(self.job.samples);
         let totals = self.totals.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let films = self.techniques.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         Rendered {
             image: self.film.resolve(samples),
-            techniques: films.into_iter().map(|(t, film)| (t, film.resolve(samples))).collect(),
+            techniques: self.techniques.resolve(samples),
             variance: self.spread.as_ref().map(|spread| spread.resolve(samples)),
             rays: totals.rays,
             rejected: totals.rejected,
@@ -306,5 +328,40 @@ impl<'a, A: Accel> Run<'a, A> {
             overflows: self.film.overflows(),
             stopped: self.stopped.load(Ordering::Relaxed),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Rgb;
+
+    /// Each technique has a film of its own, longer ones have none, and what comes from several threads at once sums.
+    #[test]
+    fn techniques_are_kept_apart() {
+        let crop = Crop::full([2, 1]);
+        let settings = Settings::default();
+        let films = TechniqueFilms::new(&RenderJob { settings, samples: 1, crop, threads: 1, pyramid: Some(5) }, 1.0);
+        let all: Vec<Technique> =
+            (1..=7).flat_map(|edges| (0..=edges).map(move |s| Technique { s, t: edges + 1 - s })).collect();
+        let kept: Vec<Technique> = all.iter().copied().filter(|t| t.s + t.t <= 6).collect();
+        let slots: Vec<usize> = kept.iter().filter_map(|t| films.slot(*t)).collect();
+        assert_eq!(slots, (0..films.films.len()).collect::<Vec<_>>());
+        let value = |t: Technique| Rgb::new(t.s as f32, t.t as f32, 0.25);
+        let contributions: Vec<Contribution> =
+            all.iter().map(|t| Contribution { pixel: 1, value: value(*t), technique: *t }).collect();
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| films.add(&contributions));
+            }
+        });
+        let images = films.resolve(4);
+        assert_eq!(images.keys().copied().collect::<std::collections::BTreeSet<_>>(), kept.into_iter().collect());
+        for (t, image) in images {
+            assert_eq!(image.rgb, [[0.0; 3], value(t).to_array()], "{t:?}");
+        }
+        let none = TechniqueFilms::new(&RenderJob { settings, samples: 1, crop, threads: 1, pyramid: None }, 1.0);
+        none.add(&contributions);
+        assert!(none.films.is_empty() && none.resolve(4).is_empty());
     }
 }
