@@ -104,6 +104,45 @@ fn lights_are_seen_where_they_stand() {
     assert_eq!((visible[0] + visible[1], visible[2], visible[3]), (1.0, 0.0, 0.0), "{visible:?}");
 }
 
+/// A point lies in one pixel, whichever the picture's filter would give its light to.
+#[test]
+fn lights_stand_in_the_pixel_that_contains_them() {
+    let pixel = |filter: Value, x: f64| {
+        let mut json = still_life();
+        json["camera"]["filter"] = filter;
+        json["camera"]["resolution"] = json!([16, 4]);
+        json["camera"]["height"] = json!(10);
+        json["lights"] = json!([{ "type": "point", "position": [x, 1.0, 40], "intensity": 1 }]);
+        json["camera"]["transform"] = json!({ "from": [20, 0, 50], "at": [20, 0, 0] });
+        let aovs = of_scene(&json, &[Aov::Lights], 1);
+        assert_eq!(floats(&aovs, "lights.visible").iter().sum::<f32>(), 1.0);
+        ids(&aovs, "lights.id").iter().position(|id| *id == 1).expect("the light is in view")
+    };
+    for filter in [json!({ "type": "box" }), json!({ "type": "gaussian" }), json!({ "type": "box", "radius": 3 })] {
+        // Pixels are 2.5 wide and high, and 0 begins at 0: the second row, columns 0, 7 and 15.
+        for (x, column) in [(0.1, 0), (2.4, 0), (17.6, 7), (19.9, 7), (37.6, 15), (39.9, 15)] {
+            assert_eq!(pixel(filter.clone(), x), 16 + column, "{filter}, x = {x}");
+        }
+    }
+}
+
+/// Windows are looked through for both identifiers.
+#[test]
+fn primitive_and_material_are_those_of_one_surface() {
+    let mut json = still_life();
+    let window =
+        quad(&DAffine3::from_translation(DVec3::new(20.0, 0.0, 22.0)), [40.0, 20.0], json!({ "type": "null" }));
+    let surfaces = json["surfaces"].as_array_mut().expect("surfaces");
+    surfaces.insert(0, window);
+    // In the last column a ball, behind the window as well.
+    surfaces.push(sphere(DVec3::new(35.0, 0.0, 3.0), 2.0, false, diffuse(0.5)));
+    let aovs = of_scene(&json, &GEOMETRY, 1);
+    assert_eq!(ids(&aovs, "material.id"), [2, 2, 3, 4]);
+    let primitive = ids(&aovs, "primitive.id");
+    assert!((3..=4).contains(&primitive[0]) && (5..=6).contains(&primitive[2]), "{primitive:?}");
+    assert_eq!(primitive[3], 7);
+}
+
 /// A box with a lamp, a ball, glass and a point light, out of focus and filtered.
 fn room() -> Value {
     room_as_bright_as(1.0)

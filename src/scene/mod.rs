@@ -16,7 +16,7 @@ use std::sync::Arc;
 use crate::accel::{Accel, AccelError, AccelOptions};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
-use crate::geometry::{Geometry, SurfacePoint};
+use crate::geometry::{Geometry, Hit, SurfacePoint};
 use crate::light::{Light, LightChoice};
 use crate::math::Ray;
 use crate::sampling::Coins;
@@ -58,6 +58,8 @@ pub struct Scene<A> {
 /// The first surface along a ray that is there and is not a window.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
+    /// The primitive.
+    pub hit: Hit,
     /// Where.
     pub at: SurfacePoint,
     /// What it is made of, there.
@@ -125,7 +127,7 @@ impl<A: Accel> Scene<A> {
                 ray = Ray::new(at.origin(ray.d), ray.d);
                 continue;
             }
-            return Reached::Surface(Arrival { at, surface, through_window });
+            return Reached::Surface(Arrival { hit, at, surface, through_window });
         }
     }
 
