@@ -5,7 +5,7 @@
 
 use super::desc::{FinishDesc, MaterialKind, Param};
 use super::material::{self, AtPoint, Everywhere, Lookup as _};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, PlasticCoat};
 use crate::geometry::{Geometry, Hit, SurfacePoint, Tangents};
 use crate::math::{Frame, Vec3};
 use crate::sampling::Coins;
@@ -26,7 +26,7 @@ pub struct Details {
 #[derive(Debug)]
 enum Material {
     Fixed(Bsdf),
-    Varying(MaterialKind),
+    Varying { kind: MaterialKind, coat: Option<PlasticCoat> },
     Blend { a: usize, b: usize, amount: Param<f64> },
 }
 
@@ -52,7 +52,11 @@ impl Details {
             }
             let everywhere = Everywhere::new(&textures);
             let bsdf = material::bsdf(kind, &everywhere);
-            if everywhere.varies() { Material::Varying(kind.clone()) } else { Material::Fixed(bsdf) }
+            if everywhere.varies() {
+                Material::Varying { kind: kind.clone(), coat: material::fixed_coat(kind) }
+            } else {
+                Material::Fixed(bsdf)
+            }
         };
         let materials = materials.map(material).collect();
         Self { textures, materials, surfaces: Vec::new(), scale: scale as f32 }
@@ -84,7 +88,7 @@ impl Details {
     pub fn models(&self, material: usize) -> Vec<Bsdf> {
         match &self.materials[material] {
             Material::Fixed(bsdf) => vec![*bsdf],
-            Material::Varying(kind) => [Everywhere::new(&self.textures), Everywhere::lower(&self.textures)]
+            Material::Varying { kind, .. } => [Everywhere::new(&self.textures), Everywhere::lower(&self.textures)]
                 .map(|l| material::bsdf(kind, &l))
                 .into(),
             Material::Blend { a, b, .. } => [self.models(*a), self.models(*b)].concat(),
@@ -109,7 +113,7 @@ impl Details {
     fn material_follows_uv(&self, material: usize) -> bool {
         match &self.materials[material] {
             Material::Fixed(_) => false,
-            Material::Varying(kind) => {
+            Material::Varying { kind, .. } => {
                 let everywhere = Everywhere::new(&self.textures);
                 material::bsdf(kind, &everywhere);
                 everywhere.asked().iter().any(|&i| self.textures[i].needs_uv())
@@ -125,7 +129,7 @@ impl Details {
     fn wants_tangents(&self, material: usize) -> bool {
         match &self.materials[material] {
             Material::Fixed(_) => false,
-            Material::Varying(kind) => {
+            Material::Varying { kind, .. } => {
                 let everywhere = Everywhere::new(&self.textures);
                 material::bsdf(kind, &everywhere);
                 everywhere.wants_tangents()
@@ -168,12 +172,13 @@ impl Details {
         loop {
             match &self.materials[material] {
                 Material::Fixed(bsdf) => return Some(*bsdf),
-                Material::Varying(kind) => {
+                Material::Varying { kind, coat } => {
                     let tangent = tangents.as_ref().map_or([1.0, 0.0], |t| turn(at.ns, t.du));
-                    return Some(material::bsdf(kind, &AtPoint { textures: &self.textures, at, tangent }));
+                    let lookup = AtPoint { textures: &self.textures, at, tangent, coat: *coat };
+                    return Some(material::bsdf(kind, &lookup));
                 }
                 Material::Blend { a, b, amount } => {
-                    let lookup = AtPoint { textures: &self.textures, at, tangent: [1.0, 0.0] };
+                    let lookup = AtPoint { textures: &self.textures, at, tangent: [1.0, 0.0], coat: None };
                     material = if f64::from(coins.flip()) < lookup.scalar(amount) { *b } else { *a };
                 }
             }
