@@ -3,6 +3,7 @@
 //! Neither BSDFs nor integrators hear of textures. Arrival makes a plain `Bsdf` and a plain `SurfacePoint` of them, and
 //! decides by the sample's coins whether a cut-out surface is there and which part of a blend it is (docs/MIS.md, §8).
 
+use super::Surface;
 use super::desc::{FinishDesc, MaterialKind, Param};
 use super::material::{self, AtPoint, Everywhere, Lookup as _};
 use crate::bsdf::{Bsdf, PlasticCoat};
@@ -95,9 +96,11 @@ impl Details {
         }
     }
 
-    /// Whether a surface lets some light pass for lack of opacity.
-    pub fn any_opacity(&self) -> bool {
-        self.surfaces.iter().any(|s| s.finish.opacity != Param::Value(1.0))
+    /// By surface, whether it lets some light pass for lack of opacity; empty when none does.
+    pub fn cut_outs(&self, surfaces: &[Surface]) -> Vec<bool> {
+        let is_cut_out = |detail: u32| self.surfaces[detail as usize].finish.opacity != Param::Value(1.0);
+        let all: Vec<bool> = surfaces.iter().map(|s| s.detail.is_some_and(is_cut_out)).collect();
+        if all.contains(&true) { all } else { Vec::new() }
     }
 
     /// Whether a texture over texture coordinates, or a map that follows them, is used on a surface.

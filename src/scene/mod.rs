@@ -136,21 +136,22 @@ impl<A: Accel> Scene<A> {
     /// to `rays`.
     #[inline]
     pub fn visibility(&self, ray: &Ray, rays: &mut u64) -> f32 {
-        if self.needs.opacity {
-            return self.transmittance(*ray, rays);
-        }
         *rays += 1;
-        if self.accel.occluded(ray) { 0.0 } else { 1.0 }
+        if self.accel.occluded(ray) {
+            return 0.0;
+        }
+        if self.needs.opacity { self.transmittance(*ray, rays) } else { 1.0 }
     }
 
-    /// The product of 1 − opacity over the surfaces along a ray: the probability with which `follow` passes them.
+    /// The product of 1 − opacity over the surfaces along a ray that nothing opaque blocks: the probability with which
+    /// `follow` passes them.
     #[inline(never)]
     fn transmittance(&self, mut ray: Ray, rays: &mut u64) -> f32 {
         let end = ray.tmax.is_finite().then(|| ray.at(ray.tmax));
         let mut passed = 1.0;
         loop {
             *rays += 1;
-            let Some(hit) = self.accel.intersect(&ray) else { return passed };
+            let Some(hit) = self.accel.intersect_cut_out(&ray) else { return passed };
             let at = self.geometry.surface_point(&ray, &hit);
             let Some(detail) = self.surfaces[at.surface as usize].detail else { return 0.0 };
             passed *= (1.0 - self.details.opacity(detail, &at)).clamp(0.0, 1.0);

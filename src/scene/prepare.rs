@@ -88,6 +88,7 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     if geometry.normals.iter().all(|n| *n == Vec3::ZERO) {
         geometry.normals.clear();
     }
+    geometry.cut_outs = details.cut_outs(&surfaces);
     let reach = reach(&camera, &geometry);
     for point in &mut geometry.delta_points {
         *point = DeltaPoint::new(point.position, reach);
@@ -98,7 +99,8 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
             message: "nothing in the scene shines: the image will be black".into(),
         });
     }
-    let needs = SceneNeeds { opacity: details.any_opacity(), ..SceneNeeds::of(&models, &lights) };
+    let opacity = !geometry.cut_outs.is_empty();
+    let needs = SceneNeeds { opacity, ..SceneNeeds::of(&models, &lights) };
     Ok(Prepared { geometry, surfaces, details, lights, camera, needs, center, scale, warnings })
 }
 
