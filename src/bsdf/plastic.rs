@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::coat::{Coat, smooth_mean};
 use super::fresnel::fresnel_dielectric;
-use super::local::Local;
+use super::local::{Local, mirror};
 use super::microfacet::{Distribution, Masking, SMOOTH, reflection};
 use super::{BsdfSample, BsdfValue, Transport, adjoint_factor};
 use crate::geometry::SurfacePoint;
@@ -125,17 +125,17 @@ impl Plastic {
         let coated = lobe < p;
         let delta = coated && self.is_smooth();
         let wi = if delta {
-            Vec3::new(-local.wo.x, -local.wo.y, local.wo.z)
+            mirror(local.wo, Vec3::Z)
         } else if coated {
             let m = Distribution::Ggx.sample([self.alpha; 2], local.wo, u)?;
-            m * (2.0 * local.wo.dot(m)) - local.wo
+            mirror(local.wo, m)
         } else {
             cosine_hemisphere(u)
         };
-        let world = local.to_world(wi);
-        if wi.z <= 0.0 || !local.same_side(at, world) {
+        if wi.z <= 0.0 {
             return None;
         }
+        let world = local.to_world(at, wi)?;
         let adjoint = adjoint_factor(at, wo, world, transport);
         if delta {
             return Some(BsdfSample {
@@ -161,10 +161,7 @@ impl Plastic {
 
     pub(super) fn eval(&self, at: &SurfacePoint, wo: Vec3, wi: Vec3, transport: Transport) -> Option<BsdfValue> {
         let local = Local::new(at, wo, self.two_sided, [1.0, 0.0])?;
-        let to = local.to_local(wi);
-        if to.z <= 0.0 || !local.same_side(at, wi) {
-            return None;
-        }
+        let to = local.reflected(at, wi)?;
         let sum = self.mixture(local.wo, to)?;
         Some(BsdfValue {
             f: sum.f * adjoint_factor(at, wo, wi, transport),
