@@ -76,3 +76,65 @@ fn occlusion_is_by_what_is_opaque_and_cut_outs_are_found_alone() {
     #[cfg(feature = "embree")]
     check::<EmbreeAccel>();
 }
+
+/// Rays from anywhere, aimed at corners, edges, faces and past them: what is found among the cut-outs alone is what a
+/// scene of nothing else has.
+#[test]
+fn cut_outs_are_found_by_rays_from_everywhere() {
+    fn check<A: Accel>() {
+        let mut state = 1_u32;
+        let mut uniform = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            let x = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+            ((x >> 22) ^ x) as f32 / 4_294_967_296.0
+        };
+        for cut_out in [0, 4, 5, 9] {
+            let cut_outs: Vec<bool> = (0..16).map(|i| i == cut_out || (cut_out == 9 && i == 2)).collect();
+            let geometry = column(&cut_outs);
+            let mut alone = Geometry { positions: geometry.positions.clone(), ..Geometry::default() };
+            for (t, s) in
+                geometry.triangles.iter().zip(&geometry.triangle_surface).filter(|(_, s)| cut_outs[**s as usize])
+            {
+                alone.triangles.push(*t);
+                alone.triangle_surface.push(*s);
+            }
+            for (q, s) in
+                geometry.quadrics.iter().zip(&geometry.quadric_surface).filter(|(_, s)| cut_outs[**s as usize])
+            {
+                alone.quadrics.push(q.clone());
+                alone.quadric_surface.push(*s);
+            }
+            let (geometry, alone) = (Arc::new(geometry), Arc::new(alone));
+            let options = AccelOptions::default();
+            let accel = A::build(Arc::clone(&geometry), options).expect("a small scene builds");
+            let only = A::build(Arc::clone(&alone), options).expect("a small scene builds");
+            let mut hits = 0;
+            for i in 0..20_000 {
+                let far = [1.0, 30.0, 1e4][i % 3];
+                let mut o = (Vec3::new(uniform(), uniform(), uniform()) * 2.0 - 1.0) * far + Vec3::Z * 4.0;
+                let k = (uniform() * 8.0) as usize;
+                let corner = geometry.positions[4 * k + i % 4];
+                let to = match i % 5 {
+                    0 => corner,
+                    1 => (corner + geometry.positions[4 * k + (i + 1) % 4]) * 0.5,
+                    2 => corner * uniform() * 1.1,
+                    3 => Vec3::new(corner.x, corner.y * uniform(), corner.z),
+                    _ => {
+                        // Along an axis, with zeros of either sign.
+                        o = Vec3::new(corner.x * uniform(), corner.y * uniform(), o.z);
+                        Vec3::new(o.x, o.y, -o.z)
+                    }
+                };
+                let ray = if i % 7 == 0 { Ray::segment(o, to) } else { Ray::new(o, (to - o).normalize()) };
+                let told = |geometry: &Geometry, hit: Option<Hit>| hit.map(|hit| (surface(geometry, &hit), hit.t));
+                let (found, wanted) = (accel.intersect_cut_out(&ray), only.intersect(&ray));
+                assert_eq!(told(&geometry, found), told(&alone, wanted), "{}, {ray:?}", A::NAME);
+                hits += usize::from(wanted.is_some());
+            }
+            assert!(hits > 500, "{hits} hits prove little");
+        }
+    }
+    check::<BvhAccel>();
+    #[cfg(feature = "embree")]
+    check::<EmbreeAccel>();
+}

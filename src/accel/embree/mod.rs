@@ -46,6 +46,10 @@ pub struct EmbreeAccel {
 /// Surfaces that are partly opaque.
 struct CutOuts {
     scene: Scene,
+    /// Corners of a box around them, and the largest coordinate in it: most rays of a large scene with a small cut-out are
+    /// spared a query that has a price even when it ends at the root.
+    bounds: [Vec3; 2],
+    extent: f32,
     /// By Embree's number of a geometry: what its primitives are called in `Geometry`.
     numbers: [Vec<u32>; 4],
 }
@@ -121,7 +125,30 @@ impl CutOuts {
             }
             numbers[quadrics as usize] = some;
         }
-        Ok(Self { scene: own.commit(RayMask::CUT_OUT, RayMask::CUT_OUT)?, numbers })
+        let corners = numbers[TRIANGLES[1] as usize].iter().flat_map(|&i| geometry.corners(i));
+        let quadrics = &numbers[QUADRICS[1] as usize];
+        let boxes = quadrics.iter().flat_map(|&i| <[Vec3; 2]>::from(geometry.quadrics[i as usize].bounds()));
+        let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for p in corners.chain(boxes) {
+            (min, max) = (min.min(p), max.max(p));
+        }
+        let extent = min.abs().max(max.abs()).max_element();
+        let scene = own.commit(RayMask::CUT_OUT, RayMask::CUT_OUT)?;
+        Ok(Self { scene, bounds: [min, max], extent, numbers })
+    }
+
+    /// Whether a ray may meet the box around them: false only where it does not.
+    #[inline]
+    fn may_meet(&self, ray: &Ray) -> bool {
+        let [min, max] = self.bounds;
+        // Of two coordinates' difference and its product four roundings, 2⁻²² of the larger one, and as much again.
+        let margin = ray.o.abs().max(Vec3::splat(self.extent)) * (1.0 / (1 << 20) as f32);
+        // Clamped, so that nothing times infinity cannot occur.
+        let huge = Vec3::splat(f32::MAX);
+        let reciprocal = ray.d.recip().clamp(-huge, huge);
+        let (a, b) = ((min - margin - ray.o) * reciprocal, (max + margin - ray.o) * reciprocal);
+        let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+        enter <= leave && leave >= 0.0 && enter <= ray.tmax
     }
 
     #[inline]
@@ -179,7 +206,7 @@ impl Accel for EmbreeAccel {
 
     #[inline]
     fn intersect_cut_out(&self, ray: &Ray) -> Option<Hit> {
-        let cut_outs = self.cut_outs.as_ref()?;
+        let cut_outs = self.cut_outs.as_ref().filter(|cut_outs| cut_outs.may_meet(ray))?;
         Some(cut_outs.as_hit(&cut_outs.scene.intersect(ray)?))
     }
 
