@@ -104,8 +104,52 @@ fn lights_are_seen_where_they_stand() {
     assert_eq!((visible[0] + visible[1], visible[2], visible[3]), (1.0, 0.0, 0.0), "{visible:?}");
 }
 
+/// A point lies in one pixel, whichever the picture's filter would give its light to.
+#[test]
+fn lights_stand_in_the_pixel_that_contains_them() {
+    let pixel = |filter: Value, x: f64| {
+        let mut json = still_life();
+        json["camera"]["filter"] = filter;
+        json["camera"]["resolution"] = json!([16, 4]);
+        json["camera"]["height"] = json!(10);
+        json["lights"] = json!([{ "type": "point", "position": [x, 1.0, 40], "intensity": 1 }]);
+        json["camera"]["transform"] = json!({ "from": [20, 0, 50], "at": [20, 0, 0] });
+        let aovs = of_scene(&json, &[Aov::Lights], 1);
+        assert_eq!(floats(&aovs, "lights.visible").iter().sum::<f32>(), 1.0);
+        ids(&aovs, "lights.id").iter().position(|id| *id == 1).expect("the light is in view")
+    };
+    for filter in [json!({ "type": "box" }), json!({ "type": "gaussian" }), json!({ "type": "box", "radius": 3 })] {
+        // Pixels are 2.5 wide and high, and 0 begins at 0: the second row, columns 0, 7 and 15.
+        for (x, column) in [(0.1, 0), (2.4, 0), (17.6, 7), (19.9, 7), (37.6, 15), (39.9, 15)] {
+            assert_eq!(pixel(filter.clone(), x), 16 + column, "{filter}, x = {x}");
+        }
+    }
+}
+
+/// Windows are looked through for both identifiers.
+#[test]
+fn primitive_and_material_are_those_of_one_surface() {
+    let mut json = still_life();
+    let window =
+        quad(&DAffine3::from_translation(DVec3::new(20.0, 0.0, 22.0)), [40.0, 20.0], json!({ "type": "null" }));
+    let surfaces = json["surfaces"].as_array_mut().expect("surfaces");
+    surfaces.insert(0, window);
+    // In the last column a ball, behind the window as well.
+    surfaces.push(sphere(DVec3::new(35.0, 0.0, 3.0), 2.0, false, diffuse(0.5)));
+    let aovs = of_scene(&json, &GEOMETRY, 1);
+    assert_eq!(ids(&aovs, "material.id"), [2, 2, 3, 4]);
+    let primitive = ids(&aovs, "primitive.id");
+    assert!((3..=4).contains(&primitive[0]) && (5..=6).contains(&primitive[2]), "{primitive:?}");
+    assert_eq!(primitive[3], 7);
+}
+
 /// A box with a lamp, a ball, glass and a point light, out of focus and filtered.
 fn room() -> Value {
+    room_as_bright_as(1.0)
+}
+
+/// The same with all emission multiplied.
+fn room_as_bright_as(brightness: f64) -> Value {
     let camera = json!({
         "vfov": 50, "resolution": [13, 9], "aperture": 0.1, "fdist": 2, "filter": { "type": "gaussian" },
         "transform": { "from": [0.2, 0.4, 2.6], "at": [0, 0.1, 0] }
@@ -115,11 +159,11 @@ fn room() -> Value {
         vec![
             quad(&facing(DVec3::new(0.0, -1.0, 0.0), DVec3::Y), [4.0; 2], diffuse(0.7)),
             quad(&facing(DVec3::new(0.0, 0.0, -1.5), DVec3::Z), [4.0; 2], diffuse(vec![0.7, 0.3, 0.2])),
-            quad(&facing(DVec3::new(0.3, 1.0, 0.0), -DVec3::Y), [1.2; 2], shining(4.0)),
-            quad(&facing(DVec3::new(-0.3, 0.3, -1.4), DVec3::Z), [0.6; 2], shining(2.0)),
+            quad(&facing(DVec3::new(0.3, 1.0, 0.0), -DVec3::Y), [1.2; 2], shining(4.0 * brightness)),
+            quad(&facing(DVec3::new(-0.3, 0.3, -1.4), DVec3::Z), [0.6; 2], shining(2.0 * brightness)),
             sphere(DVec3::new(-0.5, -0.6, 0.2), 0.4, false, json!({ "type": "dielectric", "ior": 1.5 })),
         ],
-        vec![json!({ "type": "point", "position": [-0.4, 0.8, 0.5], "intensity": 0.3 })],
+        vec![json!({ "type": "point", "position": [-0.4, 0.8, 0.5], "intensity": 0.3 * brightness })],
     )
 }
 
@@ -180,6 +224,26 @@ fn the_variance_is_that_of_independent_renders() {
         let ratio = estimated / seen;
         eprintln!("{integrator:?}: variance estimated over seen {ratio:.3}");
         assert!((0.85..1.15).contains(&ratio), "{integrator:?}: {ratio}");
+    }
+}
+
+/// The variance is as exact as the picture: emission × 2ᵏ multiplies it by 2²ᵏ, bit by bit.
+#[test]
+fn emission_times_a_power_of_two_multiplies_the_variance_by_its_square() {
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        let variance = |k: i32| {
+            let scene = scene(&room_as_bright_as(f64::powi(2.0, k)));
+            let crop = Crop::full(scene.camera.resolution());
+            let job = RenderJob { settings: settings(integrator, 4), samples: 8, crop, threads: 1, pyramid: None };
+            let rendered = render_with(&scene, &job, Extras { variance: true }, &|_| true).unwrap();
+            rendered.variance.expect("the variance was asked for").rgb
+        };
+        let plain = variance(0);
+        assert!(plain.iter().flatten().any(|x| *x > 0.0));
+        for k in [-40, -3, 1, 40] {
+            let expected: Vec<[f32; 3]> = plain.iter().map(|p| p.map(|x| x * f32::exp2(2.0 * k as f32))).collect();
+            assert_eq!(variance(k), expected, "{integrator:?}, 2^{k}");
+        }
     }
 }
 

@@ -46,7 +46,10 @@ pub trait Accel: Sync + Send + Sized {
     /// The nearest hit, or `None`.
     fn intersect(&self, ray: &Ray) -> Option<Hit>;
 
-    /// Whether anything lies on the segment.
+    /// The nearest hit on a surface that is partly opaque (`Geometry::cut_outs`), or `None`.
+    fn intersect_cut_out(&self, ray: &Ray) -> Option<Hit>;
+
+    /// Whether anything that is opaque lies on the segment: all surfaces but `Geometry::cut_outs`.
     fn occluded(&self, ray: &Ray) -> bool;
 
     /// `occluded` for several rays at once; `out[i]` answers `rays[i]`. The slices have equal length.
@@ -63,6 +66,9 @@ pub trait Accel: Sync + Send + Sized {
     /// Name, version and instruction set for the output's metadata, for example `embree 4.3.3 AVX512`.
     fn describe(&self) -> String;
 }
+
+#[cfg(test)]
+mod tests;
 
 /// Why an acceleration structure could not be built.
 #[derive(Debug, Clone)]

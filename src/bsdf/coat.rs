@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use super::fresnel::{fresnel_dielectric, hemispherical_dielectric};
+use super::local::mirror;
 use super::microfacet::{Distribution, Masking, SMOOTH, reflection};
 use crate::math::Vec3;
 
@@ -110,7 +111,7 @@ fn directional(ior: f32, alpha: f32, cos: f32) -> f32 {
     for k in 0..POINTS * POINTS {
         let u = [((k % POINTS) as f32 + 0.5) / POINTS as f32, ((k / POINTS) as f32 + 0.5) / POINTS as f32];
         let Some(m) = Distribution::Ggx.sample([alpha; 2], wo, u) else { continue };
-        let wi = m * (2.0 * wo.dot(m)) - wo;
+        let wi = mirror(wo, m);
         if wi.z <= 0.0 {
             continue;
         }

@@ -1,7 +1,7 @@
 //! Metals: reflection by smooth or rough conductors.
 
 use super::fresnel::{fresnel_conductor, fresnel_schlick};
-use super::local::Local;
+use super::local::{Local, mirror};
 use super::microfacet::{Distribution, Masking, Reflection, Roughness, reflection};
 use super::{BsdfSample, BsdfValue, Transport, adjoint_factor};
 use crate::geometry::SurfacePoint;
@@ -59,15 +59,12 @@ impl Conductor {
     pub(super) fn sample(&self, at: &SurfacePoint, wo: Vec3, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
         let local = Local::new(at, wo, self.two_sided, self.roughness.tangent)?;
         let m = self.distribution.sample(self.roughness.alpha, local.wo, u)?;
-        let wi = m * (2.0 * local.wo.dot(m)) - local.wo;
+        let wi = mirror(local.wo, m);
         if wi.z <= 0.0 {
             return None;
         }
         let r = self.reflection(local.wo, wi)?;
-        let world = local.to_world(wi);
-        if !local.same_side(at, world) {
-            return None;
-        }
+        let world = local.to_world(at, wi)?;
         Some(BsdfSample {
             wi: world,
             // D cancels.
@@ -81,10 +78,7 @@ impl Conductor {
 
     pub(super) fn eval(&self, at: &SurfacePoint, wo: Vec3, wi: Vec3, transport: Transport) -> Option<BsdfValue> {
         let local = Local::new(at, wo, self.two_sided, self.roughness.tangent)?;
-        let to = local.to_local(wi);
-        if to.z <= 0.0 || !local.same_side(at, wi) {
-            return None;
-        }
+        let to = local.reflected(at, wi)?;
         let r = self.reflection(local.wo, to)?;
         Some(BsdfValue {
             f: self.reflectance.at(r.cos) * (r.d * r.value * adjoint_factor(at, wo, wi, transport)),
@@ -102,10 +96,7 @@ pub(super) fn sample_smooth(
     transport: Transport,
 ) -> Option<BsdfSample> {
     let local = Local::new(at, wo, two_sided, [1.0, 0.0])?;
-    let wi = local.to_world(Vec3::new(-local.wo.x, -local.wo.y, local.wo.z));
-    if !local.same_side(at, wi) {
-        return None;
-    }
+    let wi = local.to_world(at, mirror(local.wo, Vec3::Z))?;
     Some(BsdfSample {
         wi,
         weight: reflectance.at(local.wo.z) * adjoint_factor(at, wo, wi, transport),

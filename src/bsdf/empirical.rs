@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use super::local::Local;
+use super::local::{Local, mirror};
 use super::{BsdfSample, BsdfValue, Transport, adjoint_factor};
 use crate::geometry::SurfacePoint;
 use crate::math::{Rgb, Vec3};
@@ -96,13 +96,9 @@ impl Shape {
         match *self {
             Self::OrenNayar { .. } => cosine_hemisphere(u),
             Self::Phong { exponent } => {
-                let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
-                crate::math::Frame::from_normal(mirror).to_world(cosine_power(exponent, u))
+                crate::math::Frame::from_normal(mirror(wo, Vec3::Z)).to_world(cosine_power(exponent, u))
             }
-            Self::BlinnPhong { exponent } => {
-                let h = cosine_power(exponent, u);
-                h * (2.0 * wo.dot(h)) - wo
-            }
+            Self::BlinnPhong { exponent } => mirror(wo, cosine_power(exponent, u)),
         }
     }
 }
@@ -111,11 +107,11 @@ impl Empirical {
     pub(super) fn sample(&self, at: &SurfacePoint, wo: Vec3, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
         let local = Local::new(at, wo, self.two_sided, [1.0, 0.0])?;
         let wi = self.shape.sample(local.wo, u);
-        let world = local.to_world(wi);
         // What a lobe sends below the horizon is absorbed.
-        if wi.z <= 0.0 || !local.same_side(at, world) {
+        if wi.z <= 0.0 {
             return None;
         }
+        let world = local.to_world(at, wi)?;
         let value = self.between(&local, wi)?;
         let weight = value.f * (adjoint_factor(at, wo, world, transport) / value.pdf_fwd.0);
         let (pdf_fwd, pdf_rev) = (value.pdf_fwd, value.pdf_rev);
@@ -124,10 +120,7 @@ impl Empirical {
 
     pub(super) fn eval(&self, at: &SurfacePoint, wo: Vec3, wi: Vec3, transport: Transport) -> Option<BsdfValue> {
         let local = Local::new(at, wo, self.two_sided, [1.0, 0.0])?;
-        let to = local.to_local(wi);
-        if to.z <= 0.0 || !local.same_side(at, wi) {
-            return None;
-        }
+        let to = local.reflected(at, wi)?;
         let value = self.between(&local, to)?;
         Some(BsdfValue { f: value.f * adjoint_factor(at, wo, wi, transport), ..value })
     }

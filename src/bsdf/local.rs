@@ -32,24 +32,39 @@ impl Local {
         (wo.z > 0.0).then_some(Self { frame, front, wo })
     }
 
-    /// A direction in the frame; z > 0 on the side of `wo`.
+    /// A direction in the frame, its z above 0 on the side of `wo`; `None` where the two normals disagree about the side.
     #[inline]
-    pub fn to_local(&self, w: Vec3) -> Vec3 {
-        mirrored(self.frame.to_local(w), self.front)
+    pub fn to_local(&self, at: &SurfacePoint, wi: Vec3) -> Option<Vec3> {
+        let local = mirrored(self.frame.to_local(wi), self.front);
+        ((local.z > 0.0) == self.same_side(at, wi)).then_some(local)
     }
 
-    /// A unit direction of the frame, out of it.
+    /// `to_local` for what only reflects: `None` below the surface, too.
     #[inline]
-    pub fn to_world(&self, w: Vec3) -> Vec3 {
+    pub fn reflected(&self, at: &SurfacePoint, wi: Vec3) -> Option<Vec3> {
+        self.to_local(at, wi).filter(|local| local.z > 0.0)
+    }
+
+    /// A unit direction of the frame, out of it; `None` where the two normals disagree about its side: facets may send
+    /// light to where the surface as a whole would have blocked it.
+    #[inline]
+    pub fn to_world(&self, at: &SurfacePoint, local: Vec3) -> Option<Vec3> {
         // Roundings of the frame must not add up from bounce to bounce.
-        self.frame.to_world(mirrored(w, self.front)).normalize()
+        let wi = self.frame.to_world(mirrored(local, self.front)).normalize();
+        ((local.z > 0.0) == self.same_side(at, wi)).then_some(wi)
     }
 
     /// Whether the geometric normal puts `wi` on the side of `wo`.
     #[inline]
-    pub fn same_side(&self, at: &SurfacePoint, wi: Vec3) -> bool {
+    fn same_side(&self, at: &SurfacePoint, wi: Vec3) -> bool {
         (wi.dot(at.ng) > 0.0) == self.front
     }
+}
+
+/// `w` mirrored about the unit vector `m`.
+#[inline]
+pub fn mirror(w: Vec3, m: Vec3) -> Vec3 {
+    m * (2.0 * w.dot(m)) - w
 }
 
 /// On the back, the mirror image in the tangent plane: tangents stay where they are.

@@ -1,7 +1,7 @@
 //! Rough interface between two dielectrics [Walter07].
 
 use super::fresnel::fresnel_dielectric;
-use super::local::Local;
+use super::local::{Local, mirror};
 use super::microfacet::{self, Distribution, Masking, Roughness, reflection, stretched};
 use super::{BsdfSample, BsdfValue, Transport, adjoint_factor, radiance_scale};
 use crate::geometry::SurfacePoint;
@@ -99,16 +99,16 @@ impl RoughDielectric {
         let (reflectance, cos_t) = fresnel_dielectric(cos_o, eta);
         let reflected = lobe < reflectance;
         let wi = if reflected {
-            m * (2.0 * cos_o) - local.wo
+            mirror(local.wo, m)
         } else {
             // Snell: the tangential part shrinks by η, the normal part is −cosθt.
             ((m * cos_o - local.wo) / eta - m * cos_t).normalize()
         };
-        let world = local.to_world(wi);
-        // Facets may send light to where the surface as a whole would have blocked it.
-        if (wi.z > 0.0) != reflected || local.same_side(at, world) != reflected {
+        // To the other side than a reflection or a refraction leads: another facet would be in the way.
+        if (wi.z > 0.0) != reflected {
             return None;
         }
+        let world = local.to_world(at, wi)?;
         let s = self.scattering(eta, local.wo, wi)?;
         let scale = if reflected { 1.0 } else { radiance_scale(eta, transport) };
         let tint = if reflected { Rgb::ONE } else { Rgb::from(self.transmittance) };
@@ -125,11 +125,8 @@ impl RoughDielectric {
     pub(super) fn eval(&self, at: &SurfacePoint, wo: Vec3, wi: Vec3, transport: Transport) -> Option<BsdfValue> {
         let local = Local::new(at, wo, true, self.roughness.tangent)?;
         let eta = self.eta(local.front);
-        let to = local.to_local(wi);
-        let reflected = local.same_side(at, wi);
-        if (to.z > 0.0) != reflected {
-            return None;
-        }
+        let to = local.to_local(at, wi)?;
+        let reflected = to.z > 0.0;
         let s = self.scattering(eta, local.wo, to)?;
         let scale = if reflected { 1.0 } else { radiance_scale(eta, transport) };
         let tint = if reflected { Rgb::ONE } else { Rgb::from(self.transmittance) };

@@ -13,7 +13,7 @@ use crate::accel::bvh::BvhAccel;
 use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
 use crate::geometry::Geometry;
-use crate::light::{Emitter, Light};
+use crate::light::{Cone, Emitter, Light, Profile};
 use crate::scene::desc::SceneDesc;
 use crate::scene::{Prepared, prepare};
 
@@ -144,6 +144,8 @@ struct Lamp {
     kind: &'static str,
     /// Shape and area in square units, of an area light.
     shape: Option<(String, f64)>,
+    /// Of a spot.
+    cone: Option<Cone>,
     /// Watts per channel.
     power: [f64; 3],
 }
@@ -159,24 +161,49 @@ impl Lamp {
                     Emitter::Triangles { triangles, .. } => count(triangles.len(), "triangle", "triangles"),
                     Emitter::Quadric { .. } => "sphere or disk".to_string(),
                 };
-                Self { kind: "area", shape: Some((shape, l.area * per_area)), power }
+                Self { kind: "area", shape: Some((shape, l.area * per_area)), cone: None, power }
             }
-            Light::Point(_) => Self { kind: "point", shape: None, power },
-            Light::Spot(_) => Self { kind: "spot", shape: None, power },
-            Light::Directional(_) => Self { kind: "directional", shape: None, power },
-            Light::Environment(_) => Self { kind: "environment", shape: None, power },
+            Light::Point(_) => Self { kind: "point", shape: None, cone: None, power },
+            Light::Spot(l) => Self { kind: "spot", shape: None, cone: Some(*l.cone()), power },
+            Light::Directional(_) => Self { kind: "directional", shape: None, cone: None, power },
+            Light::Environment(_) => Self { kind: "environment", shape: None, cone: None, power },
         }
     }
 
     fn json(&self) -> Value {
         let (shape, area) = self.shape.as_ref().map(|(shape, area)| (shape, area)).unzip();
-        json!({"kind": self.kind, "shape": shape, "area": area, "power": self.power})
+        let mut json = json!({"kind": self.kind, "shape": shape, "area": area, "power": self.power});
+        if let Some(Cone { inner, outer, profile }) = self.cone {
+            json["inner_angle"] = inner.into();
+            json["outer_angle"] = outer.into();
+            json["profile"] = profile_name(profile).into();
+            if let Profile::Cosine { falloff } = profile {
+                json["falloff"] = falloff.into();
+            }
+        }
+        json
     }
 
     fn text(&self) -> String {
         let shape = self.shape.as_ref().map_or_else(String::new, |(shape, area)| {
             format!(" ({shape}, {} square {})", figures(*area), if *area == 1.0 { "unit" } else { "units" })
         });
-        format!("{}{shape}, power {} W", self.kind, self.power.map(figures).join(" "))
+        let cone = self.cone.map_or_else(String::new, |Cone { inner, outer, profile }| {
+            let falloff = match profile {
+                Profile::Cosine { falloff } => format!(", falloff {}", figures(falloff)),
+                Profile::Angle => String::new(),
+            };
+            let (inner, outer) = (figures(inner), figures(outer));
+            format!(" ({} profile from {inner}° to {outer}°{falloff})", profile_name(profile))
+        });
+        format!("{}{shape}{cone}, power {} W", self.kind, self.power.map(figures).join(" "))
+    }
+}
+
+/// A profile's name in the scene format.
+fn profile_name(profile: Profile) -> &'static str {
+    match profile {
+        Profile::Cosine { .. } => "cosine",
+        Profile::Angle => "angle",
     }
 }

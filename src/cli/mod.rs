@@ -4,6 +4,7 @@ mod args;
 mod compare;
 mod convert;
 mod info;
+mod memory;
 mod progress;
 mod pyramid;
 mod render;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::args::{AccelArg, AovArg, RenderArgs};
 use super::progress::{Reporter, duration};
 use super::settings::{black_technique, departures, idle_options, name, override_desc, pyramid_edges, settings};
-use super::{Failure, print, pyramid, same_file, stats, status, tell};
+use super::{Failure, memory, print, pyramid, same_file, stats, status, tell};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
 use crate::accel::embree::EmbreeAccel;
@@ -52,7 +52,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     phases.parse = start.elapsed();
     let crop = crop(args, desc.camera.resolution)?;
     let settings = settings(&desc, args)?;
-    check_memory(args, crop)?;
+    memory::check(args, crop, kept_edges(args), AOV_EDGES)?;
 
     let start = Instant::now();
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
@@ -157,34 +157,6 @@ fn kept_edges(args: &RenderArgs) -> Option<u32> {
         _ => None,
     };
     pyramid_edges(args).max(depths)
-}
-
-/// Films larger than this are refused before anything is allocated.
-const LARGEST_FILMS: u64 = 16 << 30;
-
-/// Checks that the film, and one per technique of a pyramid, fit a sensible amount of memory.
-fn check_memory(args: &RenderArgs, crop: Crop) -> Result<(), Failure> {
-    let edges = u64::from(kept_edges(args).unwrap_or(0));
-    // Paths of n edges are made by n + 1 techniques (t = 0 is not built).
-    let techniques = edges * (edges + 3) / 2;
-    let bytes = (techniques + 1) * crop.pixels() * crate::film::BYTES_PER_PIXEL;
-    if bytes <= LARGEST_FILMS {
-        return Ok(());
-    }
-    let gib = |b: u64| b as f64 / f64::from(1 << 30);
-    let mend = if techniques > 0 {
-        "use fewer --pyramid-edges, a smaller --size or a --crop"
-    } else {
-        "use a smaller --size or a --crop"
-    };
-    Err(Failure::usage(format!(
-        "the film of {} × {} pixels{} takes {:.1} GiB, more than the {:.0} GiB allowed; {mend}",
-        crop.width(),
-        crop.height(),
-        if techniques > 0 { format!(" for each of {techniques} techniques") } else { String::new() },
-        gib(bytes),
-        gib(LARGEST_FILMS)
-    )))
 }
 
 /// Threads where the command line names no number. Asked once, so that what is told is what runs.

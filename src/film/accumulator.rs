@@ -100,15 +100,25 @@ impl Accumulator {
         self.overflows.load(Ordering::Relaxed)
     }
 
+    /// 2⁻ᵉ, quanta per unit.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// A pixel's sum in quanta. All threads must have finished adding.
+    pub(super) fn sum(&self, pixel: usize) -> [i128; 3] {
+        self.cells[pixel].each_ref().map(|[low, high]| {
+            let (low, high) = (low.load(Ordering::Relaxed), high.load(Ordering::Relaxed));
+            ((u128::from(high) << 64) | u128::from(low)) as i128
+        })
+    }
+
     /// The mean over `samples` samples per pixel. All threads must have finished adding.
     pub fn resolve(&self, samples: u64) -> Image {
         let factor = 1.0 / (self.scale * samples.max(1) as f64);
         let mut image = Image::new(self.width, self.height);
-        for (pixel, cell) in image.rgb.iter_mut().zip(&self.cells) {
-            for (channel, [low, high]) in pixel.iter_mut().zip(cell) {
-                let sum = (u128::from(high.load(Ordering::Relaxed)) << 64) | u128::from(low.load(Ordering::Relaxed));
-                *channel = (sum as i128 as f64 * factor) as f32;
-            }
+        for (i, pixel) in image.rgb.iter_mut().enumerate() {
+            *pixel = self.sum(i).map(|sum| (sum as f64 * factor) as f32);
         }
         image
     }

@@ -35,8 +35,21 @@ pub struct Geometry {
     pub quadrics: Vec<Quadric>,
     /// The surface of each quadric.
     pub quadric_surface: Vec<u32>,
+    /// By surface, whether it is partly opaque; empty when none is. Occlusion leaves these surfaces out.
+    pub cut_outs: Vec<bool>,
     /// Points of zero size that lights sit on. No transport query ever meets them.
     pub delta_points: Vec<DeltaPoint>,
+}
+
+impl Geometry {
+    /// Whether a primitive is of a surface that is partly opaque.
+    pub fn is_cut_out(&self, kind: GeometryKind, primitive: u32) -> bool {
+        let surfaces = match kind {
+            GeometryKind::Triangle => &self.triangle_surface,
+            GeometryKind::Quadric => &self.quadric_surface,
+        };
+        !self.cut_outs.is_empty() && self.cut_outs[surfaces[primitive as usize] as usize]
+    }
 }
 
 /// Which of the scene's two kinds of intersectable geometry a hit lies on.

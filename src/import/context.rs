@@ -37,7 +37,7 @@ pub(super) struct Context<'a> {
 pub(super) struct Keys<'k> {
     /// Those that can change something: messages list them.
     pub allowed: &'k [&'k str],
-    /// Those that are read but take nothing besides their default yet, or are ignored: nothing to advise anyone.
+    /// Those that are read but ignored, or an error of their own: nothing to advise anyone.
     pub idle: &'k [&'k str],
     /// Those that the format has and that are not supported yet.
     pub later: &'k [&'k str],

@@ -17,8 +17,8 @@ const SUPPORTED: &[&str] = &["point", "spot", "directional", "constant", "enviro
 const POINT_KEYS: Keys = Keys { allowed: &["type", "position", "intensity"], idle: &[], later: &[] };
 
 const SPOT_KEYS: Keys = Keys {
-    allowed: &["type", "position", "at", "direction", "intensity", "inner_angle", "outer_angle", "falloff"],
-    idle: &["profile"],
+    allowed: &["type", "position", "at", "direction", "intensity", "inner_angle", "outer_angle", "falloff", "profile"],
+    idle: &[],
     later: &[],
 };
 
@@ -33,6 +33,7 @@ const ALL_KEYS: Keys = Keys {
         "inner_angle",
         "outer_angle",
         "falloff",
+        "profile",
         "irradiance",
         "radiance",
         "filename",

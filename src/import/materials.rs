@@ -6,7 +6,9 @@ use super::context::{Context, Keys, Object, Type, did_you_mean, list, nearest};
 use super::json::{Kind, Node, excerpt, printable};
 use super::models;
 use super::value::{EMISSION, FALLOFF, HALF_ANGLE, IOR, UNIT};
-use crate::scene::desc::{Color, EmpiricalModel, Facets, FresnelDesc, MaterialDesc, MaterialKind, Param, Place};
+use crate::scene::desc::{
+    Color, EmpiricalModel, Facets, FresnelDesc, MaterialDesc, MaterialKind, Param, Place, SpotProfile,
+};
 
 /// The types that are built.
 const SUPPORTED: &[&str] = &[
@@ -39,11 +41,11 @@ const OWN_KEYS: &[&str] = &[
     "inner_angle",
     "outer_angle",
     "falloff",
+    "profile",
     "a",
     "b",
     "amount",
 ];
-const OWN_IDLE_KEYS: &[&str] = &["profile"];
 
 /// What does not shine.
 const DARK: Param<Color> = Param::Value([0.0; 3]);
@@ -212,7 +214,7 @@ impl<'a> Context<'a> {
     /// Checks what can be checked in a material whose type is missing or unknown: the keys, and the colours that mean the
     /// same in all types.
     fn unknown_material(&mut self, object: &Object<'a>) -> Option<MaterialDesc> {
-        self.check_material_keys(object, &[OWN_KEYS, models::OWN_KEYS].concat(), OWN_IDLE_KEYS);
+        self.check_material_keys(object, &[OWN_KEYS, models::OWN_KEYS].concat(), &[]);
         self.required(object, "type");
         for (key, range) in [("albedo", UNIT), ("transmittance", UNIT), ("emit", EMISSION)] {
             object.get(key).and_then(|node| self.color_or_texture(node, range));
@@ -347,7 +349,7 @@ impl<'a> Context<'a> {
     }
 
     fn spot_light(&mut self, object: &Object<'a>) -> Option<MaterialKind> {
-        self.check_material_keys(object, &["emit", "inner_angle", "outer_angle", "falloff"], &["profile"]);
+        self.check_material_keys(object, &["emit", "inner_angle", "outer_angle", "falloff", "profile"], &[]);
         self.spot(object, "emit")
     }
 
@@ -356,15 +358,30 @@ impl<'a> Context<'a> {
         let intensity = self.required(object, intensity_key).and_then(|node| self.color(node, EMISSION));
         let inner = self.required(object, "inner_angle").and_then(|node| self.number(node, HALF_ANGLE));
         let outer = self.required(object, "outer_angle").and_then(|node| self.number(node, HALF_ANGLE));
-        let falloff = object.get("falloff").map_or(Some(0.5), |node| self.number(node, FALLOFF));
-        if let Some(profile) = object.get("profile") {
-            self.choice(profile, "spot profile", &["cosine"], &["angle"]);
-        }
+        let profile = self.spot_profile(object);
         if let Some((inner, outer)) = inner.zip(outer).filter(|(inner, outer)| inner > outer) {
             let message = format!("inner_angle {inner} exceeds outer_angle {outer}; allowed: at most as large");
             self.error(object.get("inner_angle").unwrap_or(&object.node), message);
         }
-        let (intensity, inner_angle, outer_angle, falloff) = (intensity?, inner?, outer?, falloff?);
-        Some(MaterialKind::SpotLight { intensity, inner_angle, outer_angle, falloff })
+        let (intensity, inner_angle, outer_angle, profile) = (intensity?, inner?, outer?, profile?);
+        Some(MaterialKind::SpotLight { intensity, inner_angle, outer_angle, profile })
+    }
+
+    /// How a spot falls off; only a power of the cosine has an exponent.
+    fn spot_profile(&mut self, object: &Object<'a>) -> Option<SpotProfile> {
+        let falloff = object.get("falloff").map_or(Some(0.5), |node| self.number(node, FALLOFF));
+        let word = object
+            .get("profile")
+            .map_or(Some("cosine"), |node| self.choice(node, "spot profile", &["cosine", "angle"], &[]));
+        if word? == "cosine" {
+            return Some(SpotProfile::Cosine { falloff: falloff? });
+        }
+        if let Some(node) = object.get("falloff") {
+            let message = "the spot profile \"angle\" falls linearly and takes no \"falloff\"; leave it out, or choose \
+                           the profile \"cosine\"";
+            self.error(node, message);
+            return None;
+        }
+        Some(SpotProfile::Angle)
     }
 }

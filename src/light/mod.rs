@@ -20,7 +20,7 @@ pub use environment_map::EnvironmentMap;
 pub use infinite::{DirectionalLight, Environment, EnvironmentLight, SceneBall};
 pub use point::{LightEdge, LightPoint};
 pub use receiver::Receiver;
-pub use spot::SpotLight;
+pub use spot::{Cone, Profile, SpotLight};
 pub use tree::{EmitterBound, LightTree};
 
 use std::f32::consts::PI;

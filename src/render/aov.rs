@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use super::{RenderError, Rendered, pool};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
-use crate::camera::LensNumbers;
+use crate::camera::{Filter, LensNumbers};
 use crate::film::{Channel, Image};
+use crate::geometry::GeometryKind;
 use crate::integrator::path::{camera_ray, dimensions};
 use crate::integrator::{Crop, Settings};
 use crate::light::LightPoint;
@@ -29,9 +30,11 @@ pub enum Aov {
     ShadingNormal,
     /// `depth.Z`: distance of the first surface along the optical axis, scene units; infinite where there is none.
     Depth,
-    /// `primitive.id`: 1 + the index of the first primitive at the pixel's centre, triangles first, then quadrics.
+    /// `primitive.id`: 1 + the index of the first primitive at the pixel's centre, triangles first, then quadrics; 0 where
+    /// there is none. As with all images of first surfaces, index-matched windows are looked through, and a surface that
+    /// is partly opaque is there or not by chance.
     Primitive,
-    /// `material.id`: 1 + the index of the material there, in the order of the file.
+    /// `material.id`: 1 + the index of the material of that primitive, in the order of the file.
     Material,
     /// `emission`, `direct`, `indirect`: light that scattered not at all, once, more often. They sum to the picture.
     Direct,
@@ -41,10 +44,34 @@ pub enum Aov {
     Variance,
     /// `samples.count`: camera samples of the pixel.
     SampleCount,
-    /// `lights.id`: 1 + the index of the nearest delta point seen in the pixel, whatever is before it; `lights.visible`:
-    /// the fraction of its light that is let through.
+    /// `lights.id`: 1 + the index of the nearest delta point that lies in the pixel itself (whatever the picture's filter
+    /// reaches), whatever is before it; `lights.visible`: the fraction of its light that is let through.
     Lights,
 }
+
+impl Aov {
+    /// How many channels it has; `edges` are those of the longest paths that are told apart.
+    pub fn channels(self, edges: u32) -> u64 {
+        match self {
+            Self::Depth | Self::Primitive | Self::Material | Self::SampleCount => 1,
+            Self::Lights => 2,
+            Self::Albedo | Self::Normal | Self::ShadingNormal | Self::Variance => 3,
+            Self::Direct => 9,
+            Self::PerDepth => 3 * u64::from(edges),
+        }
+    }
+
+    /// Whether it shows what camera rays meet first.
+    pub fn is_of_first_surface(self) -> bool {
+        match self {
+            Self::Albedo | Self::Normal | Self::ShadingNormal | Self::Depth | Self::Primitive | Self::Material => true,
+            Self::Direct | Self::PerDepth | Self::Variance | Self::SampleCount | Self::Lights => false,
+        }
+    }
+}
+
+/// Working memory per pixel of the images of first surfaces, besides their channels: rows are joined when all are there.
+pub const FIRST_SURFACE_BYTES: u64 = 2 * size_of::<Texel>() as u64;
 
 /// Camera rays per pixel whose first surfaces are averaged, at the most.
 const MOST_RAYS: u32 = 64;
@@ -94,7 +121,7 @@ impl AovJob<'_> {
     pub fn of_scene<A: Accel>(&self, scene: &Scene<A>) -> Result<Vec<Channel>, RenderError> {
         let mut out = Vec::new();
         use Aov::{Albedo, Depth, Lights, Material, Normal, Primitive, SampleCount, ShadingNormal};
-        if self.wants(&[Albedo, Normal, ShadingNormal, Depth, Primitive, Material]) {
+        if self.wanted.iter().any(|aov| aov.is_of_first_surface()) {
             let row = |y| (self.crop.x0..self.crop.x1).map(|x| self.texel(scene, [x, y])).collect::<Vec<_>>();
             let texels: Vec<Texel> = pool(self.threads)?
                 .install(|| (self.crop.y0..self.crop.y1).into_par_iter().map(row).collect::<Vec<_>>())
@@ -185,12 +212,13 @@ impl AovJob<'_> {
         }
         let center = scene.camera.generate_ray(pixel, [0.5; 2], [0.5; 2]).ray;
         let triangles = scene.geometry.triangles.len() as u32;
-        let primitive = scene.accel.intersect(&center).map_or(0, |hit| match hit.geometry {
-            crate::geometry::GeometryKind::Triangle => hit.primitive + 1,
-            crate::geometry::GeometryKind::Quadric => triangles + hit.primitive + 1,
+        // One arrival for both identifiers, so that they belong to one surface.
+        let seen = scene.arrive(center, &mut Coins::new(u64::from(key)), &mut 0);
+        let primitive = seen.as_ref().map_or(0, |arrival| match arrival.hit.geometry {
+            GeometryKind::Triangle => arrival.hit.primitive + 1,
+            GeometryKind::Quadric => triangles + arrival.hit.primitive + 1,
         });
-        let surface =
-            scene.arrive(center, &mut Coins::new(u64::from(key)), &mut 0).map(|arrival| arrival.at.surface as usize);
+        let surface = seen.map(|arrival| arrival.at.surface as usize);
         Texel {
             albedo: (albedo / count as f32).to_array(),
             ng: ng.normalize_or_zero().to_array(),
@@ -207,8 +235,10 @@ impl AovJob<'_> {
         let mut ids = vec![0; crop.pixels() as usize];
         let mut visible = vec![0.0; ids.len()];
         let mut nearest = vec![f32::INFINITY; ids.len()];
+        // The pixel that the point lies in, however far the picture's filter reaches: that would be one of many.
+        let camera = scene.camera.clone().with_filter(Filter::Pixel);
         for point in &scene.geometry.delta_points {
-            let Some(lens) = scene.camera.sample_lens(point.position, &LensNumbers::IDLE) else { continue };
+            let Some(lens) = camera.sample_lens(point.position, &LensNumbers::IDLE) else { continue };
             let aimed = Ray::segment(lens.p, point.position);
             let Some(hit) = scene.accel.intersect_delta(&aimed) else { continue };
             let distance = (point.position - lens.p).length();

@@ -3,21 +3,20 @@
 
 mod aov;
 
-pub use aov::{Aov, AovJob};
+pub use aov::{Aov, AovJob, FIRST_SURFACE_BYTES};
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use crate::accel::Accel;
-use crate::film::{Accumulator, Image, Quanta};
-use crate::integrator::{Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
+use crate::film::{Accumulator, Image, Quanta, Squares, VarianceFilm};
+use crate::integrator::{Contribution, Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
 use crate::light::Light;
-use crate::math::Rgb;
 use crate::scene::Scene;
 
 /// What to render.
@@ -120,7 +119,7 @@ pub fn render_with<A: Accel>(
 ) -> Result<Rendered, RenderError> {
     let pool = pool(job.threads)?;
     let mut run = Run::new(scene, job, progress);
-    run.spread = extras.variance.then(|| Spread::new(job.crop, run.emission));
+    run.spread = extras.variance.then(|| VarianceFilm::new(job.crop.width(), job.crop.height(), run.emission));
     pool.install(|| run.all());
     Ok(run.finish())
 }
@@ -133,34 +132,44 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, RenderError> {
         .map_err(|e| RenderError { message: format!("cannot start {threads} render threads: {e}") })
 }
 
-/// Sums from which pixels' variances follow. A pixel is the mean of what n camera samples found, plus 1/n times the sum
-/// of splats, of which each light subpath makes one with a small probability: a compound Poisson sum, whose variance is
-/// estimated by the sum of squares.
-struct Spread {
-    /// Of what the pixel's own samples found.
-    own: Accumulator,
-    /// Of the squares of that and of splats.
-    squares: Accumulator,
+/// The films of techniques kept apart, each made when the first contribution comes; adding to them takes no lock.
+#[derive(Debug)]
+struct TechniqueFilms {
+    /// Number of edges of the longest paths; 0 for none.
+    edges: u32,
+    crop: Crop,
+    emission: f32,
+    /// By `slot`.
+    films: Vec<OnceLock<Accumulator>>,
 }
 
-impl Spread {
-    fn new(crop: Crop, emission: f32) -> Self {
-        let film = |emission| Accumulator::new(crop.width(), crop.height(), emission);
-        Self { own: film(emission), squares: film((emission * emission).min(f32::MAX)) }
+impl TechniqueFilms {
+    fn new(job: &RenderJob, emission: f32) -> Self {
+        let edges = job.pyramid.unwrap_or(0);
+        // Paths of n edges are made by n + 1 techniques (t = 0 is not built).
+        let films = (0..=edges).flat_map(|n| 0..if n == 0 { 0 } else { n + 1 }).map(|_| OnceLock::new()).collect();
+        Self { edges, crop: job.crop, emission, films }
     }
 
-    fn square(&self, value: Rgb) -> Quanta {
-        self.squares.quantize(value * value)
+    /// The place of a technique among them: by number of edges, then by s.
+    fn slot(&self, t: Technique) -> Option<usize> {
+        let edges = (t.s + t.t).checked_sub(1).filter(|edges| t.t > 0 && (1..=self.edges).contains(edges))?;
+        // Shorter paths have 2, 3, …, edges techniques.
+        Some((edges as usize + 2) * (edges as usize - 1) / 2 + t.s as usize)
     }
 
-    fn variance(&self, samples: u64) -> Image {
-        let (own, mut variance) = (self.own.resolve(samples), self.squares.resolve(samples));
-        let n = samples.saturating_sub(1).max(1) as f32;
-        for (square, mean) in variance.rgb.iter_mut().flatten().zip(own.rgb.iter().flatten()) {
-            // Rounding alone could make it negative.
-            *square = (*square - mean * mean).max(0.0) / n;
+    fn add(&self, contributions: &[Contribution]) {
+        for c in contributions {
+            let Some(film) = self.slot(c.technique).and_then(|i| self.films.get(i)) else { continue };
+            let film = film.get_or_init(|| Accumulator::new(self.crop.width(), self.crop.height(), self.emission));
+            film.add(c.pixel as usize, film.quantize(c.value));
         }
-        variance
+    }
+
+    fn resolve(&self, samples: u64) -> BTreeMap<Technique, Image> {
+        let all = (1..=self.edges).flat_map(|edges| (0..=edges).map(move |s| Technique { s, t: edges + 1 - s }));
+        let made = all.zip(&self.films).filter_map(|(t, film)| Some((t, film.get()?)));
+        made.map(|(t, film)| (t, film.resolve(samples))).collect()
     }
 }
 
@@ -180,8 +189,8 @@ struct Run<'a, A> {
     region: Crop,
     film: Accumulator,
     emission: f32,
-    spread: Option<Spread>,
-    techniques: Mutex<BTreeMap<Technique, std::sync::Arc<Accumulator>>>,
+    spread: Option<VarianceFilm>,
+    techniques: TechniqueFilms,
     totals: Mutex<Totals>,
     done: AtomicU64,
     rays: AtomicU64,
@@ -219,7 +228,7 @@ impl<'a, A: Accel> Run<'a, A> {
             film: Accumulator::new(job.crop.width(), job.crop.height(), emission),
             emission,
             spread: None,
-            techniques: Mutex::default(),
+            techniques: TechniqueFilms::new(job, emission),
             totals: Mutex::default(),
             done: AtomicU64::new(0),
             rays: AtomicU64::new(0),
@@ -262,30 +271,31 @@ impl<'a, A: Accel> Run<'a, A> {
                 let samples = (task.first..task.first + task.count).map(|index| PixelSample { pixel: [x, y], index });
                 if crop.contains([x, y]) {
                     let mut sum = Quanta::default();
-                    let mut squares = Quanta::default();
+                    let mut squares = Squares::default();
                     for sample in samples {
                         integrator.sample(sample, recorder);
-                        sum += self.film.quantize(recorder.radiance());
-                        if let Some(spread) = &self.spread {
-                            squares += spread.square(recorder.radiance());
+                        let quanta = self.film.quantize(recorder.radiance());
+                        sum += quanta;
+                        if self.spread.is_some() {
+                            squares += Squares::of(quanta);
                         }
                     }
                     let pixel = (y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize;
                     self.film.add(pixel, sum);
                     if let Some(spread) = &self.spread {
-                        spread.own.add(pixel, sum);
-                        spread.squares.add(pixel, squares);
+                        spread.add_samples(pixel, sum, squares);
                     }
                 } else {
                     samples.for_each(|sample| integrator.sample_splats(sample, recorder));
                 }
                 for splat in recorder.splats() {
-                    self.film.add(splat.pixel as usize, self.film.quantize(splat.value));
+                    let quanta = self.film.quantize(splat.value);
+                    self.film.add(splat.pixel as usize, quanta);
                     if let Some(spread) = &self.spread {
-                        spread.squares.add(splat.pixel as usize, spread.square(splat.value));
+                        spread.add_splat(splat.pixel as usize, quanta);
                     }
                 }
-                self.keep_apart(recorder);
+                self.techniques.add(recorder.by_technique());
                 recorder.clear();
             }
         }
@@ -305,37 +315,53 @@ impl<'a, A: Accel> Run<'a, A> {
         }
     }
 
-    /// Adds what the recorder kept apart to the techniques' own films.
-    fn keep_apart(&self, recorder: &Recorder) {
-        let Some(edges) = self.job.pyramid else { return };
-        for c in recorder.by_technique() {
-            if c.technique.s + c.technique.t > edges + 1 {
-                continue;
-            }
-            let film = match self.techniques.lock() {
-                Ok(mut films) => std::sync::Arc::clone(films.entry(c.technique).or_insert_with(|| {
-                    let crop = self.job.crop;
-                    std::sync::Arc::new(Accumulator::new(crop.width(), crop.height(), self.emission))
-                })),
-                Err(_) => return,
-            };
-            film.add(c.pixel as usize, film.quantize(c.value));
-        }
-    }
-
     fn finish(self) -> Rendered {
         let samples = u64::from(self.job.samples);
         let totals = self.totals.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let films = self.techniques.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         Rendered {
             image: self.film.resolve(samples),
-            techniques: films.into_iter().map(|(t, film)| (t, film.resolve(samples))).collect(),
-            variance: self.spread.as_ref().map(|spread| spread.variance(samples)),
+            techniques: self.techniques.resolve(samples),
+            variance: self.spread.as_ref().map(|spread| spread.resolve(samples)),
             rays: totals.rays,
             rejected: totals.rejected,
             rejected_first: totals.rejected_first,
             overflows: self.film.overflows(),
             stopped: self.stopped.load(Ordering::Relaxed),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Rgb;
+
+    /// Each technique has a film of its own, longer ones have none, and what comes from several threads at once sums.
+    #[test]
+    fn techniques_are_kept_apart() {
+        let crop = Crop::full([2, 1]);
+        let settings = Settings::default();
+        let films = TechniqueFilms::new(&RenderJob { settings, samples: 1, crop, threads: 1, pyramid: Some(5) }, 1.0);
+        let all: Vec<Technique> =
+            (1..=7).flat_map(|edges| (0..=edges).map(move |s| Technique { s, t: edges + 1 - s })).collect();
+        let kept: Vec<Technique> = all.iter().copied().filter(|t| t.s + t.t <= 6).collect();
+        let slots: Vec<usize> = kept.iter().filter_map(|t| films.slot(*t)).collect();
+        assert_eq!(slots, (0..films.films.len()).collect::<Vec<_>>());
+        let value = |t: Technique| Rgb::new(t.s as f32, t.t as f32, 0.25);
+        let contributions: Vec<Contribution> =
+            all.iter().map(|t| Contribution { pixel: 1, value: value(*t), technique: *t }).collect();
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| films.add(&contributions));
+            }
+        });
+        let images = films.resolve(4);
+        assert_eq!(images.keys().copied().collect::<std::collections::BTreeSet<_>>(), kept.into_iter().collect());
+        for (t, image) in images {
+            assert_eq!(image.rgb, [[0.0; 3], value(t).to_array()], "{t:?}");
+        }
+        let none = TechniqueFilms::new(&RenderJob { settings, samples: 1, crop, threads: 1, pyramid: None }, 1.0);
+        none.add(&contributions);
+        assert!(none.films.is_empty() && none.resolve(4).is_empty());
     }
 }

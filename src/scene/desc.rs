@@ -261,9 +261,21 @@ pub enum MaterialKind {
         inner_angle: f64,
         /// Half-angle of the cone outside which it is dark, degrees.
         outer_angle: f64,
-        /// Exponent of the attenuation between the two, 0 or above.
+        /// The attenuation between the two.
+        profile: SpotProfile,
+    },
+}
+
+/// How a spot's intensity falls between its cones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpotProfile {
+    /// A power of the cosine's share.
+    Cosine {
+        /// The exponent, 0 or above.
         falloff: f64,
     },
+    /// Linear in the angle.
+    Angle,
 }
 
 /// A light at infinity.

@@ -3,9 +3,10 @@
 //! Neither BSDFs nor integrators hear of textures. Arrival makes a plain `Bsdf` and a plain `SurfacePoint` of them, and
 //! decides by the sample's coins whether a cut-out surface is there and which part of a blend it is (docs/MIS.md, §8).
 
+use super::Surface;
 use super::desc::{FinishDesc, MaterialKind, Param};
 use super::material::{self, AtPoint, Everywhere, Lookup as _};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, PlasticCoat};
 use crate::geometry::{Geometry, Hit, SurfacePoint, Tangents};
 use crate::math::{Frame, Vec3};
 use crate::sampling::Coins;
@@ -26,7 +27,7 @@ pub struct Details {
 #[derive(Debug)]
 enum Material {
     Fixed(Bsdf),
-    Varying(MaterialKind),
+    Varying { kind: MaterialKind, coat: Option<PlasticCoat> },
     Blend { a: usize, b: usize, amount: Param<f64> },
 }
 
@@ -52,7 +53,11 @@ impl Details {
             }
             let everywhere = Everywhere::new(&textures);
             let bsdf = material::bsdf(kind, &everywhere);
-            if everywhere.varies() { Material::Varying(kind.clone()) } else { Material::Fixed(bsdf) }
+            if everywhere.varies() {
+                Material::Varying { kind: kind.clone(), coat: material::fixed_coat(kind) }
+            } else {
+                Material::Fixed(bsdf)
+            }
         };
         let materials = materials.map(material).collect();
         Self { textures, materials, surfaces: Vec::new(), scale: scale as f32 }
@@ -84,16 +89,18 @@ impl Details {
     pub fn models(&self, material: usize) -> Vec<Bsdf> {
         match &self.materials[material] {
             Material::Fixed(bsdf) => vec![*bsdf],
-            Material::Varying(kind) => [Everywhere::new(&self.textures), Everywhere::lower(&self.textures)]
+            Material::Varying { kind, .. } => [Everywhere::new(&self.textures), Everywhere::lower(&self.textures)]
                 .map(|l| material::bsdf(kind, &l))
                 .into(),
             Material::Blend { a, b, .. } => [self.models(*a), self.models(*b)].concat(),
         }
     }
 
-    /// Whether a surface lets some light pass for lack of opacity.
-    pub fn any_opacity(&self) -> bool {
-        self.surfaces.iter().any(|s| s.finish.opacity != Param::Value(1.0))
+    /// By surface, whether it lets some light pass for lack of opacity; empty when none does.
+    pub fn cut_outs(&self, surfaces: &[Surface]) -> Vec<bool> {
+        let is_cut_out = |detail: u32| self.surfaces[detail as usize].finish.opacity != Param::Value(1.0);
+        let all: Vec<bool> = surfaces.iter().map(|s| s.detail.is_some_and(is_cut_out)).collect();
+        if all.contains(&true) { all } else { Vec::new() }
     }
 
     /// Whether a texture over texture coordinates, or a map that follows them, is used on a surface.
@@ -109,7 +116,7 @@ impl Details {
     fn material_follows_uv(&self, material: usize) -> bool {
         match &self.materials[material] {
             Material::Fixed(_) => false,
-            Material::Varying(kind) => {
+            Material::Varying { kind, .. } => {
                 let everywhere = Everywhere::new(&self.textures);
                 material::bsdf(kind, &everywhere);
                 everywhere.asked().iter().any(|&i| self.textures[i].needs_uv())
@@ -125,7 +132,7 @@ impl Details {
     fn wants_tangents(&self, material: usize) -> bool {
         match &self.materials[material] {
             Material::Fixed(_) => false,
-            Material::Varying(kind) => {
+            Material::Varying { kind, .. } => {
                 let everywhere = Everywhere::new(&self.textures);
                 material::bsdf(kind, &everywhere);
                 everywhere.wants_tangents()
@@ -168,12 +175,13 @@ impl Details {
         loop {
             match &self.materials[material] {
                 Material::Fixed(bsdf) => return Some(*bsdf),
-                Material::Varying(kind) => {
+                Material::Varying { kind, coat } => {
                     let tangent = tangents.as_ref().map_or([1.0, 0.0], |t| turn(at.ns, t.du));
-                    return Some(material::bsdf(kind, &AtPoint { textures: &self.textures, at, tangent }));
+                    let lookup = AtPoint { textures: &self.textures, at, tangent, coat: *coat };
+                    return Some(material::bsdf(kind, &lookup));
                 }
                 Material::Blend { a, b, amount } => {
-                    let lookup = AtPoint { textures: &self.textures, at, tangent: [1.0, 0.0] };
+                    let lookup = AtPoint { textures: &self.textures, at, tangent: [1.0, 0.0], coat: None };
                     material = if f64::from(coins.flip()) < lookup.scalar(amount) { *b } else { *a };
                 }
             }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use crate::accel::{Accel, AccelError, AccelOptions};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
-use crate::geometry::{Geometry, SurfacePoint};
+use crate::geometry::{Geometry, Hit, SurfacePoint};
 use crate::light::{Light, LightChoice, LightPoint, Receiver};
 use crate::math::Ray;
 use crate::pdf::LightPointPdf;
@@ -59,6 +59,8 @@ pub struct Scene<A> {
 /// The first surface along a ray that is there and is not a window.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
+    /// The primitive.
+    pub hit: Hit,
     /// Where.
     pub at: SurfacePoint,
     /// What it is made of, there.
@@ -135,7 +137,7 @@ impl<A: Accel> Scene<A> {
                 ray = Ray::new(at.origin(ray.d), ray.d);
                 continue;
             }
-            return Reached::Surface(Arrival { at, surface, through_window });
+            return Reached::Surface(Arrival { hit, at, surface, through_window });
         }
     }
 
@@ -144,21 +146,22 @@ impl<A: Accel> Scene<A> {
     /// to `rays`.
     #[inline]
     pub fn visibility(&self, ray: &Ray, rays: &mut u64) -> f32 {
-        if self.needs.opacity {
-            return self.transmittance(*ray, rays);
-        }
         *rays += 1;
-        if self.accel.occluded(ray) { 0.0 } else { 1.0 }
+        if self.accel.occluded(ray) {
+            return 0.0;
+        }
+        if self.needs.opacity { self.transmittance(*ray, rays) } else { 1.0 }
     }
 
-    /// The product of 1 − opacity over the surfaces along a ray: the probability with which `follow` passes them.
+    /// The product of 1 − opacity over the surfaces along a ray that nothing opaque blocks: the probability with which
+    /// `follow` passes them.
     #[inline(never)]
     fn transmittance(&self, mut ray: Ray, rays: &mut u64) -> f32 {
         let end = ray.tmax.is_finite().then(|| ray.at(ray.tmax));
         let mut passed = 1.0;
         loop {
             *rays += 1;
-            let Some(hit) = self.accel.intersect(&ray) else { return passed };
+            let Some(hit) = self.accel.intersect_cut_out(&ray) else { return passed };
             let at = self.geometry.surface_point(&ray, &hit);
             let Some(detail) = self.surfaces[at.surface as usize].detail else { return 0.0 };
             passed *= (1.0 - self.details.opacity(detail, &at)).clamp(0.0, 1.0);

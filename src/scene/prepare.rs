@@ -8,15 +8,15 @@ use std::ops::Range;
 
 use super::desc::{
     CameraDesc, Diagnostic, FilterKind, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Param, Place, Projection,
-    SceneDesc, SceneError, ShapeDesc, SurfaceDesc, is_black,
+    SceneDesc, SceneError, ShapeDesc, SpotProfile, SurfaceDesc, is_black,
 };
 use super::material::rgb;
 use super::{Details, SceneNeeds, Surface, textures};
 use crate::camera::{Camera, Filter, ThinLens};
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
 use crate::light::{
-    AreaLight, DirectionalLight, Emission, Environment, EnvironmentLight, EnvironmentMap, Light, PointLight, SceneBall,
-    SpotLight,
+    AreaLight, Cone, DirectionalLight, Emission, Environment, EnvironmentLight, EnvironmentMap, Light, PointLight,
+    Profile, SceneBall, SpotLight,
 };
 use crate::math::{DAffine3, DMat3, DVec3, Rgb, Vec3};
 use crate::texture::ToWorld;
@@ -90,6 +90,7 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     if geometry.normals.iter().all(|n| *n == Vec3::ZERO) {
         geometry.normals.clear();
     }
+    geometry.cut_outs = details.cut_outs(&surfaces);
     let reach = reach(&camera, &geometry);
     for point in &mut geometry.delta_points {
         *point = DeltaPoint::new(point.position, reach);
@@ -100,7 +101,8 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
             message: "nothing in the scene shines: the image will be black".into(),
         });
     }
-    let needs = SceneNeeds { opacity: details.any_opacity(), ..SceneNeeds::of(&models, &lights) };
+    let opacity = !geometry.cut_outs.is_empty();
+    let needs = SceneNeeds { opacity, ..SceneNeeds::of(&models, &lights) };
     Ok(Prepared { geometry, surfaces, details, lights, camera, needs, center, scale, warnings })
 }
 
@@ -449,9 +451,14 @@ impl Builder {
             MaterialKind::PointLight { intensity } => {
                 Light::Point(PointLight { position, intensity: scaled(intensity) })
             }
-            MaterialKind::SpotLight { intensity, inner_angle, outer_angle, falloff } => {
+            MaterialKind::SpotLight { intensity, inner_angle, outer_angle, profile } => {
                 let axis = (to_render.matrix3 * -DVec3::Z).normalize().as_vec3a();
-                Light::Spot(SpotLight::new(position, axis, scaled(intensity), inner_angle, outer_angle, falloff))
+                let profile = match profile {
+                    SpotProfile::Cosine { falloff } => Profile::Cosine { falloff },
+                    SpotProfile::Angle => Profile::Angle,
+                };
+                let cone = Cone { inner: inner_angle, outer: outer_angle, profile };
+                Light::Spot(SpotLight::new(position, axis, scaled(intensity), cone))
             }
             // The importer lets only lights stand on delta points.
             _ => return,

@@ -23,6 +23,8 @@ pub struct ImageTexture {
     scale: f32,
     wrap: Wrap,
     bilinear: bool,
+    /// The smallest and the largest value of each channel, already scaled: each surface asks for them.
+    bounds: [Rgb; 2],
 }
 
 impl ImageTexture {
@@ -31,7 +33,12 @@ impl ImageTexture {
         let count = size[0] as usize * size[1] as usize;
         // Indices are kept in i32, with room for a neighbour.
         let fits = size.iter().all(|&n| n > 0 && n < i32::MAX as u32 / 2);
-        (fits && texels.len() == count).then_some(Self { texels, size, scale, wrap, bilinear })
+        if !fits || texels.len() != count {
+            return None;
+        }
+        let all = || texels.iter().map(|t| Vec3::from_array(*t));
+        let bounds = [all().fold(Rgb::INFINITY, Rgb::min) * scale, all().fold(Rgb::ZERO, Rgb::max) * scale];
+        Some(Self { texels, size, scale, wrap, bilinear, bounds })
     }
 
     /// Columns and rows.
@@ -73,14 +80,12 @@ impl ImageTexture {
 
     /// The largest value of each channel.
     pub(super) fn largest(&self) -> Rgb {
-        let largest = self.texels.iter().fold(Rgb::ZERO, |m, t| m.max(Vec3::from_array(*t)));
-        largest * self.scale
+        self.bounds[1]
     }
 
     /// The smallest value of each channel.
     pub(super) fn smallest(&self) -> Rgb {
-        let smallest = self.texels.iter().fold(Rgb::INFINITY, |m, t| m.min(Vec3::from_array(*t)));
-        smallest * self.scale
+        self.bounds[0]
     }
 }
 

@@ -51,6 +51,35 @@ pub struct Checker {
     pub odd: Texture,
 }
 
+/// What the other components of a normal along an axis sum to at most: over the scene, about one unit large, a surface
+/// that is tilted no more leaves its plane by no more than it is known to.
+const ALONG_AXIS: f32 = 1e-6;
+
+impl Checker {
+    /// Whether the product of sines at a point is below zero. On a surface that lies in one of the pattern's own planes
+    /// (z = 0, say) the sign would be that of the rounding of its points: there a sine that cannot be told from zero is
+    /// zero. Elsewhere such points are as likely on either side, and the cells keep their size.
+    fn is_odd(&self, at: &SurfacePoint) -> bool {
+        let p = self.to_world.point(at) * self.scale;
+        // How far the argument may be off: by the point's error bound, in which the rounding of vertices is small, and
+        // by f64's on the way to the world and in the product.
+        let error = at.point.error.as_dvec3() * (self.to_world.factor * self.scale.abs());
+        let rounding = (p.abs() + (self.to_world.offset * self.scale).abs()) * (4.0 * f64::EPSILON);
+        let (p, error, normal) = (p.to_array(), (error + rounding).to_array(), at.ng.abs().to_array());
+        let mut odd = false;
+        for axis in 0..3 {
+            let sin = p[axis].sin();
+            let in_plane = normal[(axis + 1) % 3] + normal[(axis + 2) % 3] <= ALONG_AXIS;
+            // |sin(x) − sin(y)| ≤ |x − y|.
+            if in_plane && sin.abs() <= error[axis] {
+                return false;
+            }
+            odd ^= sin < 0.0;
+        }
+        odd
+    }
+}
+
 /// From `base` to `veins` by ½ (1 + sin(scale·z + 10 turbulence)).
 #[derive(Clone, Debug)]
 pub struct Marble {
@@ -64,21 +93,17 @@ pub struct Marble {
     pub veins: Texture,
 }
 
-/// Sines below this are zero: on a plane that lies in one of the pattern's own planes (z = 0, say) the sign would be that
-/// of the rounding of its points.
-const ZERO_SINE: f64 = 1e-5;
-
 impl Texture {
     /// The value at a surface point.
     pub fn color(&self, at: &SurfacePoint) -> Rgb {
         match self {
             Self::Constant(c) => *c,
             Self::Checker(checker) => {
-                let p = checker.to_world.point(at) * checker.scale;
-                let sines = [p.x, p.y, p.z].map(f64::sin);
-                let zero = sines.iter().any(|s| s.abs() < ZERO_SINE);
-                let odd = !zero && sines.iter().filter(|s| **s < 0.0).count() % 2 == 1;
-                if odd { checker.odd.color(at) } else { checker.even.color(at) }
+                if checker.is_odd(at) {
+                    checker.odd.color(at)
+                } else {
+                    checker.even.color(at)
+                }
             }
             Self::Marble(marble) => {
                 let p = marble.to_world.point(at);

@@ -13,7 +13,7 @@ pub struct Arguments {
 }
 
 /// What is wrong with the command line itself. `scene.json` is right.
-pub const ARGUMENTS: [Arguments; 42] = [
+pub const ARGUMENTS: [Arguments; 45] = [
     Arguments {
         what: "A scene that is not there",
         arguments: "none.json",
@@ -279,5 +279,26 @@ pub const ARGUMENTS: [Arguments; 42] = [
         arguments: "scene.json --pyramid old.exr",
         status: 2,
         message: "twinlight: --pyramid: cannot write `old.exr/s0_t2.exr`: `old.exr` is not a folder; choose another place",
+    },
+    Arguments {
+        what: "A pyramid beyond memory",
+        arguments: "scene.json --size 16384x16384 --pyramid stages",
+        status: 2,
+        message: "twinlight: the film of 16384 × 16384 pixels and those of 27 techniques take 420.0 GiB, more than the 16 GiB \
+                  allowed; use a smaller --size or a --crop or fewer --pyramid-edges",
+    },
+    Arguments {
+        what: "Techniques kept apart beyond memory for auxiliary images",
+        arguments: "scene.json --size 8192x8192 --aovs direct",
+        status: 2,
+        message: "twinlight: the film of 8192 × 8192 pixels, those of 5 techniques, 9 auxiliary channels take 24.8 GiB, more \
+                  than the 16 GiB allowed; use a smaller --size or a --crop or fewer --aovs",
+    },
+    Arguments {
+        what: "A variance beyond memory",
+        arguments: "scene.json --size 16384x16384 --aovs variance",
+        status: 2,
+        message: "twinlight: the film of 16384 × 16384 pixels and 3 auxiliary channels take 57.0 GiB, more than the 16 GiB \
+                  allowed; use a smaller --size or a --crop or fewer --aovs",
     },
 ];

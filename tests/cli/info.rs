@@ -1,5 +1,7 @@
 //! `info`: what is in a scene, as text and as JSON.
 
+use serde_json::json;
+
 use super::Folder;
 
 const SCENE: &str = r#"{
@@ -13,7 +15,9 @@ const SCENE: &str = r#"{
   ],
   "lights": [
     {"type": "point", "position": [10, 1, 0], "intensity": [1, 0.5, 0]},
-    {"type": "spot", "position": [10, 1, 0], "direction": [0, -1, 0], "intensity": 1, "inner_angle": 60, "outer_angle": 60}
+    {"type": "spot", "position": [10, 1, 0], "direction": [0, -1, 0], "intensity": 1, "inner_angle": 60, "outer_angle": 60},
+    {"type": "spot", "position": [10, 1, 0], "direction": [0, -1, 0], "intensity": 1, "inner_angle": 90, "outer_angle": 180,
+     "profile": "angle"}
   ]
 }"#;
 
@@ -28,7 +32,7 @@ fn json_tells_what_is_in_a_scene() {
     let pi = std::f64::consts::PI;
     assert_eq!(
         json,
-        serde_json::json!({
+        json!({
             "scene": "s.json",
             "resolution": [40, 30],
             "samples": 7,
@@ -38,7 +42,7 @@ fn json_tells_what_is_in_a_scene() {
             "triangles": 2,
             "vertices": 4,
             "quadrics": 2,
-            "delta_points": 2,
+            "delta_points": 3,
             "accelerators": json["accelerators"],
             "lights": json["lights"],
             "center": [10.0, 0.0, 0.0],
@@ -55,15 +59,21 @@ fn json_tells_what_is_in_a_scene() {
         ("area", Some("parallelogram"), Some(8.0), [8.0 * pi, 16.0 * pi, 24.0 * pi]),
         ("point", None, None, [4.0 * pi, 2.0 * pi, 0.0]),
         ("spot", None, None, [pi; 3]),
+        // 2π [1 − (sin 180° − sin 90°)/(π/2)].
+        ("spot", None, None, [2.0 * pi + 4.0; 3]),
     ];
-    assert_eq!(lights.len(), 3);
+    assert_eq!(lights.len(), 4);
     for (light, (kind, shape, area, power)) in lights.iter().zip(expected) {
-        assert_eq!(light.as_object().unwrap().len(), 4, "{light}");
         assert_eq!((light["kind"].as_str(), light["shape"].as_str()), (Some(kind), shape), "{light}");
         assert_eq!(light["area"].as_f64(), area, "{light}");
         let said = light["power"].as_array().unwrap().iter().map(|p| p.as_f64().unwrap());
         assert!(said.zip(power).all(|(a, b)| (a - b).abs() < 1e-5 * b.max(1.0)), "{light}");
     }
+    let keys = |i: usize| lights[i].as_object().unwrap().len();
+    assert_eq!([keys(0), keys(1), keys(2), keys(3)], [4, 4, 8, 7]);
+    let cone = |i: usize| ["inner_angle", "outer_angle", "profile", "falloff"].map(|key| lights[i][key].clone());
+    assert_eq!(cone(2), [json!(60.0), json!(60.0), json!("cosine"), json!(0.5)]);
+    assert_eq!(cone(3), [json!(90.0), json!(180.0), json!("angle"), json!(null)]);
     // What the build can intersect with, the default first, in the words of the images' metadata.
     let accelerators: Vec<&str> =
         json["accelerators"].as_array().unwrap().iter().map(|a| a.as_str().unwrap()).collect();
@@ -103,7 +113,7 @@ fn text_tells_the_same() {
         [
             "s.json",
             "  image        40 × 30, 7 spp, path with at most 9 bounces",
-            "  geometry     3 surfaces: 2 triangles on 4 vertices, 2 spheres or disks, 2 delta points",
+            "  geometry     3 surfaces: 2 triangles on 4 vertices, 2 spheres or disks, 3 delta points",
             "  render space recentred on (10, 0, 0), scaled by 2^-3",
         ]
     );
@@ -111,10 +121,11 @@ fn text_tells_the_same() {
     assert_eq!(
         lines[5..],
         [
-            "  lights       3",
+            "  lights       4",
             "    area (parallelogram, 8 square units), power 25.13 50.27 75.4 W",
             "    point, power 12.57 6.283 0 W",
-            "    spot, power 3.142 3.142 3.142 W",
+            "    spot (cosine profile from 60° to 60°, falloff 0.5), power 3.142 3.142 3.142 W",
+            "    spot (angle profile from 90° to 180°), power 10.28 10.28 10.28 W",
             "  skipped",
             "    light subpaths and connections: there is no surface but mirrors, smooth glass and what reflects nothing",
             "    intersection with point and spot lights: they have no size, so that no ray can hit them",

@@ -253,6 +253,18 @@ const LIGHTS: &[Scene] = &[
         messages: &["/lights/0/inner_angle: inner_angle 30 exceeds outer_angle 20; allowed: at most as large"],
     },
     Scene {
+        what: "A spot's profile that there is not, and one that takes no exponent",
+        text: "{\"camera\": {}, \"lights\": [\n  {\"type\": \"spot\", \"position\": 0, \"direction\": 1, \
+               \"intensity\": 1,\n   \"inner_angle\": 10, \"outer_angle\": 20, \"profile\": «\"linear\"},\n  \
+               {\"type\": \"spot\", \"position\": 0, \"direction\": 1, \"intensity\": 1,\n   \"inner_angle\": 10, \
+               \"outer_angle\": 20, \"profile\": \"angle\", \"falloff\": «2}]}",
+        messages: &[
+            "/lights/0/profile: unknown spot profile \"linear\"; allowed: cosine, angle",
+            "/lights/1/falloff: the spot profile \"angle\" falls linearly and takes no \"falloff\"; leave it out, or \
+             choose the profile \"cosine\"",
+        ],
+    },
+    Scene {
         what: "An albedo above 1",
         text: r#"{"camera": {}, "materials": [{"name": "m", "type": "lambertian", "albedo": «1.01}]}"#,
         messages: &["/materials/0/albedo: 1.01 is out of range; allowed: 0 to 1"],

@@ -4,7 +4,7 @@ use twinlight::import::load_scene;
 use twinlight::math::DVec3;
 use twinlight::scene::desc::{
     EmpiricalModel, Facets, FilterDesc, FilterKind, FresnelDesc, Heuristic, IntegratorKind, MaterialKind, Param, Place,
-    Projection, SamplerKind, ShapeDesc,
+    Projection, SamplerKind, ShapeDesc, SpotProfile,
 };
 
 use super::{mesh_of, read, shared};
@@ -59,7 +59,12 @@ fn a_whole_scene() {
     assert!((spot.transform.matrix3.determinant() - 1.0).abs() < 1e-15);
     assert_eq!(
         scene.materials[spot.material].kind,
-        MaterialKind::SpotLight { intensity: [2.0; 3], inner_angle: 10.0, outer_angle: 20.0, falloff: 0.5 }
+        MaterialKind::SpotLight {
+            intensity: [2.0; 3],
+            inner_angle: 10.0,
+            outer_angle: 20.0,
+            profile: SpotProfile::Cosine { falloff: 0.5 }
+        }
     );
     assert_eq!(spot.at, Place { file: "s.json".to_owned(), line: 19, column: 14, pointer: "/lights/0".to_owned() });
     assert!(scene.surfaces.iter().all(|s| s.at.line > 0) && scene.materials.iter().all(|m| m.at.line > 0));

@@ -193,7 +193,7 @@ fn all_mistakes_of_a_file_are_reported_in_its_order() {
 #[test]
 fn a_slip_in_a_key_is_told_once() {
     const MATERIAL: &str = "allowed: type, name, albedo, two_sided, emit, emit_two_sided";
-    const SPOT: &str = "allowed: type, position, at, direction, intensity, inner_angle, outer_angle, falloff";
+    const SPOT: &str = "allowed: type, position, at, direction, intensity, inner_angle, outer_angle, falloff, profile";
     for (scene, messages) in [
         (
             r#"{«"camra": {}}"#,

@@ -237,7 +237,7 @@ fn a_mistake_in_the_type_hides_no_other() {
             "/materials/0: \"name\" is missing",
             &format!("/materials/0/type: unknown material type \"velvet\"; allowed: {MATERIALS}"),
             "/materials/0/albedo: 2 is out of range; allowed: 0 to 1",
-            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, emit_two_sided, ior, transmittance, inner_angle, outer_angle, falloff, a, b, amount, roughness, eta, k, fresnel, masking, nonlinear, exponent, sigma",
+            "/materials/0/fluff: unknown key \"fluff\"; allowed: type, name, albedo, two_sided, emit, emit_two_sided, ior, transmittance, inner_angle, outer_angle, falloff, profile, a, b, amount, roughness, eta, k, fresnel, masking, nonlinear, exponent, sigma",
             "/materials/1: \"type\" is missing",
             "/materials/1: \"name\" is missing",
             "/materials/1/emit: -1 is out of range; allowed: 0 to 3.4e38",
@@ -278,7 +278,7 @@ fn a_mistake_in_the_type_hides_no_other() {
             "/lights/0/position: expected an array of 3 numbers, or one number for all, found the string \"here\"",
             "/lights/0/at: expected an array of 3 numbers, or one number for all, found the string \"there\"",
             "/lights/0/inner_angle: inner_angle 30 exceeds outer_angle 20; allowed: at most as large",
-            "/lights/0/profile: unknown spot profile \"square\"; allowed: cosine",
+            "/lights/0/profile: unknown spot profile \"square\"; allowed: cosine, angle",
         ],
     );
 }
@@ -314,8 +314,16 @@ fn delta_points_and_their_lights() {
                 "/surfaces/0/material/falloff: -1 is out of range; allowed: 0 to 10000",
             ),
             (
-                r#"{"type": "spot light", "emit": 1, "inner_angle": 20, "outer_angle": 30, "profile": «"angle"}"#,
-                "/surfaces/0/material/profile: spot profile \"angle\" is not supported yet; supported: cosine",
+                r#"{"type": "spot light", "emit": 1, "inner_angle": 20, "outer_angle": 30, "profile": «"angel"}"#,
+                "/surfaces/0/material/profile: unknown spot profile \"angel\"; did you mean \"angle\"? allowed: cosine, angle",
+            ),
+            (
+                r#"{"type": "spot light", "emit": 1, "inner_angle": 20, "outer_angle": 30, "profile": «3}"#,
+                "/surfaces/0/material/profile: expected a string, found the number 3",
+            ),
+            (
+                r#"{"type": "spot light", "emit": 1, "inner_angle": 20, "outer_angle": 30, "profile": "angle", "falloff": «0.5}"#,
+                "/surfaces/0/material/falloff: the spot profile \"angle\" falls linearly and takes no \"falloff\"; leave it out, or choose the profile \"cosine\"",
             ),
         ],
     );

@@ -27,11 +27,9 @@ use triangle::{Shear, TriangleBlock};
 /// The pure-Rust acceleration structure.
 pub struct BvhAccel {
     geometry: Arc<Geometry>,
-    /// Leaves are indices into `blocks`.
-    triangles: Tree,
-    blocks: Vec<TriangleBlock>,
-    /// Leaves are indices into `Geometry::quadrics`.
-    quadrics: Tree,
+    opaque: Surfaces,
+    /// Those that are partly opaque, which occlusion leaves out.
+    cut_outs: Surfaces,
     /// Leaves are indices into `Geometry::delta_points`; empty unless asked for.
     delta_points: Tree,
 }
@@ -39,16 +37,52 @@ pub struct BvhAccel {
 /// Triangles to a leaf: one block.
 const BLOCK: usize = 4;
 
-impl BvhAccel {
-    /// Nearest (or, with `ANY`, some) triangle at a parameter up to `ray.tmax`.
+/// The surfaces that some queries see.
+struct Surfaces {
+    /// Leaves are indices into `blocks`.
+    triangles: Tree,
+    blocks: Vec<TriangleBlock>,
+    /// Leaves are indices into `Geometry::quadrics`.
+    quadrics: Tree,
+}
+
+impl Surfaces {
+    /// Those of a geometry that are partly opaque, or those that are not. Triangles with a non-finite corner are left out:
+    /// nothing can meet them.
+    fn build(geometry: &Geometry, cut_outs: bool) -> Result<Self, AccelError> {
+        let corner_bounds = |i: u32| {
+            let [a, b, c] = geometry.corners(i);
+            let is_one = geometry.is_cut_out(GeometryKind::Triangle, i) == cut_outs;
+            (is_one && a.is_finite() && b.is_finite() && c.is_finite())
+                .then(|| Bounds { min: a.min(b).min(c), max: a.max(b).max(c) })
+        };
+        let (triangles, leaves) = Tree::build("triangles", geometry.triangles.len(), BLOCK, corner_bounds)?;
+        let blocks = leaves.iter().map(|ids| TriangleBlock::new(geometry, ids)).collect();
+        let quadric_bounds = |i: u32| {
+            let is_one = geometry.is_cut_out(GeometryKind::Quadric, i) == cut_outs;
+            is_one.then(|| of_pair(geometry.quadrics[i as usize].bounds())).flatten()
+        };
+        let (quadrics, _) = Tree::build("quadrics", geometry.quadrics.len(), 1, quadric_bounds)?;
+        Ok(Self { triangles, blocks, quadrics })
+    }
+
+    /// The nearest hit at a parameter up to `tmax`.
     #[inline]
-    fn triangle_hit<const ANY: bool>(&self, ray: &Ray, prepared: &PreparedRay) -> Option<Hit> {
+    fn nearest(&self, geometry: &Geometry, ray: &Ray, prepared: &PreparedRay, tmax: f32) -> Option<Hit> {
+        let triangle = self.triangle_hit::<false>(ray, prepared, tmax);
+        let tmax = triangle.map_or(tmax, |h| h.t);
+        self.quadric_hit::<false>(geometry, ray, prepared, tmax).or(triangle)
+    }
+
+    /// Nearest (or, with `ANY`, some) triangle at a parameter up to `tmax`.
+    #[inline]
+    fn triangle_hit<const ANY: bool>(&self, ray: &Ray, prepared: &PreparedRay, tmax: f32) -> Option<Hit> {
         if self.blocks.is_empty() {
             return None;
         }
         let shear = Shear::new(ray, prepared);
         let mut best = None;
-        self.triangles.traverse::<ANY>(prepared, ray.tmax, |leaf, tmax| {
+        self.triangles.traverse::<ANY>(prepared, tmax, |leaf, tmax| {
             let block = &self.blocks[leaf as usize];
             let Some(found) = block.intersect(&shear, prepared.tmin, *tmax) else { return false };
             *tmax = found.t;
@@ -66,14 +100,20 @@ impl BvhAccel {
 
     /// Nearest (or, with `ANY`, some) quadric at a parameter up to `tmax`.
     #[inline]
-    fn quadric_hit<const ANY: bool>(&self, ray: &Ray, prepared: &PreparedRay, tmax: f32) -> Option<Hit> {
+    fn quadric_hit<const ANY: bool>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        prepared: &PreparedRay,
+        tmax: f32,
+    ) -> Option<Hit> {
         if self.quadrics.is_empty() {
             return None;
         }
         let mut segment = Ray { tmin: prepared.tmin, tmax, ..*ray };
         let mut best = None;
         self.quadrics.traverse::<ANY>(prepared, tmax, |leaf, tmax| {
-            let Some(t) = self.geometry.quadrics[leaf as usize].intersect(&segment) else { return false };
+            let Some(t) = geometry.quadrics[leaf as usize].intersect(&segment) else { return false };
             // Rounding t to f32 may lead past an infinite end; such a point does not exist.
             if !t.is_finite() {
                 return false;
@@ -87,42 +127,40 @@ impl BvhAccel {
     }
 }
 
+fn of_pair((min, max): (Vec3, Vec3)) -> Option<Bounds> {
+    (min.is_finite() && max.is_finite()).then_some(Bounds { min, max })
+}
+
 impl Accel for BvhAccel {
     const NAME: &'static str = "bvh";
 
-    /// Triangles with a non-finite corner are left out: nothing can meet them.
     fn build(geometry: Arc<Geometry>, options: AccelOptions) -> Result<Self, AccelError> {
-        let corner_bounds = |i: u32| {
-            let [a, b, c] = geometry.corners(i);
-            (a.is_finite() && b.is_finite() && c.is_finite())
-                .then(|| Bounds { min: a.min(b).min(c), max: a.max(b).max(c) })
-        };
-        let (triangles, leaves) = Tree::build("triangles", geometry.triangles.len(), BLOCK, corner_bounds)?;
-        let blocks = leaves.iter().map(|ids| TriangleBlock::new(&geometry, ids)).collect();
-
-        let of_pair = |(min, max): (Vec3, Vec3)| (min.is_finite() && max.is_finite()).then_some(Bounds { min, max });
-        let (quadrics, _) =
-            Tree::build("quadrics", geometry.quadrics.len(), 1, |i| of_pair(geometry.quadrics[i as usize].bounds()))?;
-
+        let opaque = Surfaces::build(&geometry, false)?;
+        let cut_outs = Surfaces::build(&geometry, true)?;
         let delta_count = if options.delta_points { geometry.delta_points.len() } else { 0 };
         let (delta_points, _) =
             Tree::build("delta points", delta_count, 1, |i| of_pair(geometry.delta_points[i as usize].bounds()))?;
-        Ok(Self { geometry, triangles, blocks, quadrics, delta_points })
+        Ok(Self { geometry, opaque, cut_outs, delta_points })
     }
 
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let prepared = PreparedRay::new(ray)?;
-        let triangle = self.triangle_hit::<false>(ray, &prepared);
-        let tmax = triangle.map_or(ray.tmax, |h| h.t);
-        self.quadric_hit::<false>(ray, &prepared, tmax).or(triangle)
+        let opaque = self.opaque.nearest(&self.geometry, ray, &prepared, ray.tmax);
+        let tmax = opaque.map_or(ray.tmax, |h| h.t);
+        self.cut_outs.nearest(&self.geometry, ray, &prepared, tmax).or(opaque)
+    }
+
+    #[inline]
+    fn intersect_cut_out(&self, ray: &Ray) -> Option<Hit> {
+        self.cut_outs.nearest(&self.geometry, ray, &PreparedRay::new(ray)?, ray.tmax)
     }
 
     #[inline]
     fn occluded(&self, ray: &Ray) -> bool {
         let Some(prepared) = PreparedRay::new(ray) else { return false };
-        self.triangle_hit::<true>(ray, &prepared).is_some()
-            || self.quadric_hit::<true>(ray, &prepared, ray.tmax).is_some()
+        self.opaque.triangle_hit::<true>(ray, &prepared, ray.tmax).is_some()
+            || self.opaque.quadric_hit::<true>(&self.geometry, ray, &prepared, ray.tmax).is_some()
     }
 
     fn intersect_delta(&self, ray: &Ray) -> Option<DeltaHit> {

@@ -372,8 +372,8 @@ fn delta_points_are_told_apart_and_built_only_when_asked_for() {
 #[test]
 fn the_build_is_deterministic() {
     let [a, b] = [build(sphere(20)), build(sphere(20))];
-    assert_eq!(format!("{:?}", a.blocks), format!("{:?}", b.blocks));
-    assert_eq!(a.triangles.dump(), b.triangles.dump());
+    assert_eq!(format!("{:?}", a.opaque.blocks), format!("{:?}", b.opaque.blocks));
+    assert_eq!(a.opaque.triangles.dump(), b.opaque.triangles.dump());
 }
 
 /// Rates on closed spheres, one thread: `cargo test --release --lib bvh::tests::rates -- --ignored --nocapture`.

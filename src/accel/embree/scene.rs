@@ -19,10 +19,14 @@ const _: () = assert!(size_of::<Vec3>() == 16 && align_of::<Vec3>() >= 4);
 pub(super) struct RayMask(u32);
 
 impl RayMask {
-    /// The rays that carry light, and the surfaces they meet.
-    pub(super) const TRANSPORT: Self = Self(1 << 0);
+    /// Surfaces that are opaque, and the rays that only these block.
+    pub(super) const OPAQUE: Self = Self(1 << 0);
     /// Queries for delta points, and the delta points.
     pub(super) const DELTA: Self = Self(1 << 1);
+    /// Surfaces that are partly opaque, and queries for them.
+    pub(super) const CUT_OUT: Self = Self(1 << 2);
+    /// The rays that carry light: they meet all surfaces.
+    pub(super) const TRANSPORT: Self = Self(Self::OPAQUE.0 | Self::CUT_OUT.0);
 }
 
 /// What a ray met first.
@@ -99,17 +103,20 @@ impl SceneBuilder {
         Ok(scene)
     }
 
-    /// Attaches all triangles of `geometry` as geometry `id`; Embree reads vertices and indices in place.
+    /// Attaches triangles over the vertices of `geometry` as geometry `id`: all of them, or those given as corners. Embree
+    /// reads vertices and indices in place.
     ///
     /// # Errors
     /// When an index is out of range or there are too many triangles or vertices for 32-bit indices.
     pub(super) fn attach_triangles(
         &mut self,
         geometry: &Arc<Geometry>,
+        some: Option<Vec<[u32; 3]>>,
         id: u32,
         mask: RayMask,
     ) -> Result<(), AccelError> {
-        let (positions, triangles) = (&geometry.positions, &geometry.triangles);
+        let keep = Arc::new((Arc::clone(geometry), some));
+        let (positions, triangles) = (&keep.0.positions, keep.1.as_ref().unwrap_or(&keep.0.triangles));
         // Embree itself does not look: an index past the end would be read.
         if let Some(bad) = triangles.iter().position(|t| t.iter().any(|&i| i as usize >= positions.len())) {
             return Err(AccelError {
@@ -122,7 +129,7 @@ impl SceneBuilder {
         }
         check_count("triangles", triangles.len())?;
         let handle = GeometryHandle::new(&self.0.device, sys::RTC_GEOMETRY_TYPE_TRIANGLE)?;
-        // SAFETY: both buffers belong to `geometry`, which nothing can change while the `Arc` kept below lives, and
+        // SAFETY: both buffers belong to `keep`, which nothing can change while the `Arc` kept below lives, and
         // have the strides and lengths given; a `Vec3` has the padding that Embree reads behind its third float.
         unsafe {
             sys::rtcSetSharedGeometryBuffer(
@@ -147,7 +154,7 @@ impl SceneBuilder {
             );
         }
         self.0.device.check("take the triangles' buffers")?;
-        self.attach(&handle, id, mask, Arc::<Geometry>::clone(geometry))
+        self.attach(&handle, id, mask, keep)
     }
 
     /// Attaches primitives with code of their own as geometry `id`.
@@ -190,16 +197,16 @@ impl SceneBuilder {
         self.0.device.check("attach a geometry")
     }
 
-    /// Builds the trees, with Embree's own threads.
+    /// Builds the trees, with Embree's own threads. Nearest hits are found for `rays`, occlusion for `blocked`.
     ///
     /// # Errors
     /// When Embree runs out of memory.
-    pub(super) fn commit(self, rays: RayMask) -> Result<Scene, AccelError> {
+    pub(super) fn commit(self, rays: RayMask, blocked: RayMask) -> Result<Scene, AccelError> {
         // SAFETY: the scene is valid and all its geometries are committed.
         unsafe { sys::rtcCommitScene(self.0.raw) };
         self.0.panics.raise();
         self.0.device.check("build the scene's trees")?;
-        Ok(Scene { handle: self.0, mask: rays.0 })
+        Ok(Scene { handle: self.0, mask: rays.0, blocked: blocked.0 })
     }
 }
 
@@ -213,10 +220,11 @@ fn check_count(what: &str, count: usize) -> Result<u32, AccelError> {
     }
 }
 
-/// A committed scene, queried with rays of one mask.
+/// A committed scene, queried with rays of one mask for nearest hits and of one for occlusion.
 pub(super) struct Scene {
     handle: SceneHandle,
     mask: u32,
+    blocked: u32,
 }
 
 // SAFETY: queries of a committed scene are thread-safe, and no other operation is offered; what the scene reads
@@ -240,7 +248,7 @@ fn is_sound(ray: &Ray) -> bool {
 
 impl Scene {
     #[inline]
-    fn ray(&self, ray: &Ray) -> sys::RTCRay {
+    fn ray(ray: &Ray, mask: u32) -> sys::RTCRay {
         sys::RTCRay {
             org_x: ray.o.x,
             org_y: ray.o.y,
@@ -251,7 +259,7 @@ impl Scene {
             dir_z: ray.d.z,
             time: 0.0,
             tfar: ray.tmax,
-            mask: self.mask,
+            mask,
             id: 0,
             flags: 0,
         }
@@ -263,7 +271,7 @@ impl Scene {
         if !is_sound(ray) {
             return None;
         }
-        let mut query = sys::RTCRayHit { ray: self.ray(ray), hit: sys::RTCHit::default() };
+        let mut query = sys::RTCRayHit { ray: Self::ray(ray, self.mask), hit: sys::RTCHit::default() };
         query.hit.geomID = sys::INVALID_GEOMETRY_ID;
         // SAFETY: the scene is committed; the struct has the size and alignment of the linked library's (sys's ABI
         // tests); without arguments Embree takes its defaults.
@@ -285,7 +293,7 @@ impl Scene {
         if !is_sound(ray) {
             return false;
         }
-        let mut query = self.ray(ray);
+        let mut query = Self::ray(ray, self.blocked);
         // SAFETY: as for `intersect`.
         unsafe { sys::rtcOccluded1(self.handle.raw, &mut query, ptr::null_mut()) };
         self.handle.panics.raise();
@@ -298,7 +306,7 @@ impl Scene {
     pub(super) fn occluded8(&self, rays: &[Ray], out: &mut [bool]) {
         debug_assert!(rays.len() <= 8 && rays.len() == out.len());
         let mut valid = Valid8([0; 8]);
-        let mut packet = sys::RTCRay8 { mask: [self.mask; 8], ..sys::RTCRay8::default() };
+        let mut packet = sys::RTCRay8 { mask: [self.blocked; 8], ..sys::RTCRay8::default() };
         for (i, ray) in rays.iter().enumerate().take(8) {
             if !is_sound(ray) {
                 continue;

@@ -348,7 +348,7 @@ fn faulty_scene() -> Scene {
     let device = Arc::new(Device::new(0).expect("Embree starts"));
     let mut builder = SceneBuilder::new(&device).expect("room for a scene");
     builder.attach_user(Faulty, 0, RayMask::TRANSPORT).expect("room for a geometry");
-    builder.commit(RayMask::TRANSPORT).expect("one box")
+    builder.commit(RayMask::TRANSPORT, RayMask::TRANSPORT).expect("one box")
 }
 
 #[test]
@@ -378,14 +378,23 @@ fn a_panic_in_a_callback_reaches_the_caller_past_embree() {
 fn geometries_are_seen_only_by_rays_of_their_mask() {
     let device = Arc::new(Device::new(0).expect("Embree starts"));
     let geometry = Arc::new(cube(Vec3::ZERO, 1.0));
-    for (geometry_mask, ray_mask) in
-        [(RayMask::TRANSPORT, RayMask::DELTA), (RayMask::DELTA, RayMask::DELTA), (RayMask::DELTA, RayMask::TRANSPORT)]
-    {
+    for (geometry_mask, ray_mask, meets) in [
+        (RayMask::OPAQUE, RayMask::DELTA, false),
+        (RayMask::DELTA, RayMask::DELTA, true),
+        (RayMask::DELTA, RayMask::TRANSPORT, false),
+        (RayMask::OPAQUE, RayMask::TRANSPORT, true),
+        (RayMask::CUT_OUT, RayMask::TRANSPORT, true),
+        (RayMask::CUT_OUT, RayMask::OPAQUE, false),
+        (RayMask::OPAQUE, RayMask::CUT_OUT, false),
+    ] {
         let mut builder = SceneBuilder::new(&device).expect("room for a scene");
-        builder.attach_triangles(&geometry, 0, geometry_mask).expect("a sound cube");
-        let scene = builder.commit(ray_mask).expect("a small scene");
-        let met = scene.intersect(&Ray::new(Vec3::ZERO, Vec3::Z)).is_some();
-        assert_eq!(met, geometry_mask == ray_mask, "{geometry_mask:?} {ray_mask:?}");
+        builder.attach_triangles(&geometry, None, 0, geometry_mask).expect("a sound cube");
+        let scene = builder.commit(ray_mask, ray_mask).expect("a small scene");
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        let mut eight = [false; 8];
+        scene.occluded8(&[ray; 8], &mut eight);
+        let met = [scene.intersect(&ray).is_some(), scene.occluded(&ray), eight[7]];
+        assert_eq!(met, [meets; 3], "{geometry_mask:?} {ray_mask:?}");
     }
 }
 

@@ -1,0 +1,88 @@
+//! Whether a render's images fit a sensible amount of memory, asked before anything is allocated.
+
+use super::Failure;
+use super::args::{AovArg, RenderArgs};
+use crate::film::{BYTES_PER_PIXEL, VARIANCE_BYTES_PER_PIXEL};
+use crate::integrator::Crop;
+use crate::render::{Aov, FIRST_SURFACE_BYTES};
+
+/// Films and auxiliary images larger than this in all are refused.
+const LARGEST: u64 = 16 << 30;
+
+/// What one pixel takes.
+struct PerPixel {
+    /// Techniques with films of their own.
+    techniques: u64,
+    /// Channels of auxiliary images.
+    channels: u64,
+    bytes: u64,
+}
+
+impl PerPixel {
+    /// With techniques kept apart for paths of up to `edges` edges; of them auxiliary images show `aov_edges`.
+    fn new(edges: u64, wanted: &[Aov], aov_edges: u32) -> Self {
+        // Paths of n edges are made by n + 1 techniques (t = 0 is not built).
+        let techniques = edges * (edges + 3) / 2;
+        let channels = wanted.iter().map(|aov| aov.channels(aov_edges)).sum();
+        let mut bytes = (techniques + 1) * BYTES_PER_PIXEL + channels * size_of::<f32>() as u64;
+        if wanted.contains(&Aov::Variance) {
+            bytes += VARIANCE_BYTES_PER_PIXEL;
+        }
+        if wanted.iter().any(|aov| aov.is_of_first_surface()) {
+            bytes += FIRST_SURFACE_BYTES;
+        }
+        Self { techniques, channels, bytes }
+    }
+}
+
+/// Checks the film, those of the techniques kept apart for paths of up to `edges` edges, and the auxiliary images.
+///
+/// # Errors
+/// What they take in all, when it is too much, and which options would make it less.
+pub fn check(args: &RenderArgs, crop: Crop, edges: Option<u32>, aov_edges: u32) -> Result<(), Failure> {
+    let per_pixel = PerPixel::new(edges.unwrap_or(0).into(), &AovArg::wanted(&args.aovs), aov_edges);
+    let bytes = per_pixel.bytes.saturating_mul(crop.pixels());
+    if bytes <= LARGEST {
+        return Ok(());
+    }
+    let mut what = vec![format!("the film of {} × {} pixels", crop.width(), crop.height())];
+    let mut mend = vec!["a smaller --size", "a --crop"];
+    if per_pixel.techniques > 0 {
+        what.push(format!("those of {} techniques", per_pixel.techniques));
+    }
+    if args.pyramid.is_some() {
+        mend.push("fewer --pyramid-edges");
+    }
+    if per_pixel.channels > 0 {
+        what.push(super::count(per_pixel.channels as usize, "auxiliary channel", "auxiliary channels"));
+        mend.push("fewer --aovs");
+    }
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    Err(Failure::usage(format!(
+        "{} {} {:.1} GiB, more than the {:.0} GiB allowed; use {}",
+        what.join(if what.len() == 2 { " and " } else { ", " }),
+        if what.len() > 1 { "take" } else { "takes" },
+        gib(bytes),
+        gib(LARGEST),
+        mend.join(" or ")
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_that_is_kept_counts() {
+        let bytes = |edges, wanted: &[Aov]| PerPixel::new(edges, wanted, 6).bytes;
+        let film = BYTES_PER_PIXEL;
+        assert_eq!(bytes(0, &[]), film);
+        // (0,2), (1,1), then (0,3), (1,2), (2,1).
+        assert_eq!(bytes(2, &[]), film * 6);
+        assert_eq!(bytes(0, &[Aov::Variance]), film + VARIANCE_BYTES_PER_PIXEL + 12);
+        assert_eq!(bytes(2, &[Aov::Direct]), film * 6 + 9 * 4);
+        assert_eq!(bytes(6, &[Aov::PerDepth]), film * 28 + 18 * 4);
+        assert_eq!(bytes(0, &[Aov::SampleCount, Aov::Lights]), film + 12);
+        assert_eq!(bytes(0, &[Aov::Depth]), film + FIRST_SURFACE_BYTES + 4);
+    }
+}
