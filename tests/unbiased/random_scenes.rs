@@ -15,11 +15,19 @@
 //! What `bdpt` cannot sample either, a delta light's caustic seen in a mirror, is in no class of a pair. How much of the
 //! images `bdpt` makes is left out is printed.
 //!
-//! All that is rendered is rendered anew for each pair, so that the p-values of scenes and pairs are independent, and if
-//! nothing is wrong they are uniform: that they are not too even is tested like everything else.
+//! All that is rendered is rendered anew for each pair, so that the p-values of whole images, one for each scene and pair,
+//! are independent and, if nothing is wrong, uniform.
+//!
+//! Single pixels, channels and lengths of path are dark in places, lit by what one sample in thousands finds. Of such
+//! sums of rare things Welch's test knows too little: a side that missed them has less mean and less variance at once, and
+//! far p-values are smaller than they ought to be. So these tests are taken in two stages: what looks suspicious is rendered
+//! anew with many more samples, and judged by the new images alone, at the level that all suspects together leave. What is
+//! judged is independent of why it was chosen; a bias that is there is there again.
 
 #[path = "random_scenes/deck.rs"]
 mod deck;
+#[path = "random_scenes/family.rs"]
+mod family;
 #[path = "random_scenes/generator.rs"]
 mod generator;
 #[path = "random_scenes/materials.rs"]
@@ -28,10 +36,11 @@ mod materials;
 mod textures;
 
 use rayon::prelude::*;
-use twinlight::compare::stats::{Moments, Welch, ks_uniform, sidak, student_t_two_sided};
+use twinlight::compare::stats::{Moments, Welch, ks_uniform};
 use twinlight::integrator::{Crop, Integrator, PathClass, PixelSample, Recorder, SampleLoop, Settings};
 
-use crate::common::{ALPHA, ROUNDING, SceneOnDefault, scene};
+use crate::common::{SceneOnDefault, scene};
+use family::{Family, histogram, p_value};
 use generator::{BOUNCES, RandomScene, random_scenes};
 
 /// Edges of the longest paths.
@@ -45,7 +54,11 @@ const PIXELS: usize = 4;
 /// Level of the tests for uniform p-values.
 const KS_LEVEL: f64 = 1e-3;
 
-/// One render: sums over the samples of each pixel's channels, by number of edges less one.
+/// p-values below this make a suspect, which is rendered again with so many times the samples.
+const SUSPICIOUS: f64 = 1e-4;
+const MORE: u32 = 8;
+
+/// One render: mean radiance by number of edges less one, pixel and channel.
 type Render = [[[f64; 3]; PIXELS]; EDGES];
 
 /// A pair of integrators, each with the class it is held to and its share of the samples.
@@ -61,41 +74,57 @@ const OF_LIGHT: PathClass = PathClass { of_path: false, of_light: true };
 /// One side of a pair makes all that it can, the other what the first can as well. `bdpt` costs most and needs least.
 const PAIRS: [Pair; 3] = [
     Pair { name: "path = bdpt", sides: [(Integrator::Path, ALL, 4), (Integrator::Bdpt, OF_PATH, 2)] },
-    Pair { name: "light = bdpt", sides: [(Integrator::Light, ALL, 4), (Integrator::Bdpt, OF_LIGHT, 2)] },
-    Pair { name: "light = path", sides: [(Integrator::Light, OF_PATH, 4), (Integrator::Path, OF_LIGHT, 4)] },
+    Pair { name: "light = bdpt", sides: [(Integrator::Light, ALL, 6), (Integrator::Bdpt, OF_LIGHT, 2)] },
+    Pair { name: "light = path", sides: [(Integrator::Light, OF_PATH, 6), (Integrator::Path, OF_LIGHT, 3)] },
 ];
 
-/// Mean radiance by number of edges, pixel and channel.
 fn render(scene: &SceneOnDefault, settings: Settings, samples: u32) -> Render {
     let mut samplers = SampleLoop::new(scene, settings);
     let mut recorder = Recorder::new(Crop::full([2, 2]), true);
-    let mut sums = Render::default();
+    let mut means = Render::default();
     for pixel in [[0, 0], [1, 0], [0, 1], [1, 1]] {
         for index in 0..samples {
             samplers.sample(PixelSample { pixel, index }, &mut recorder);
             for c in recorder.by_technique() {
                 let edges = (c.technique.s + c.technique.t - 1) as usize;
-                for (sum, value) in sums[edges - 1][c.pixel as usize].iter_mut().zip(c.value.to_array()) {
-                    *sum += f64::from(value) / f64::from(samples);
+                for (mean, value) in means[edges - 1][c.pixel as usize].iter_mut().zip(c.value.to_array()) {
+                    *mean += f64::from(value) / f64::from(samples);
                 }
             }
             recorder.clear();
         }
     }
     assert_eq!(recorder.rejected().0, 0, "non-finite contributions: {:?}", recorder.rejected().1);
-    sums
+    means
 }
 
-/// Sum over pixels and channels, and over numbers of edges.
-fn grey(render: &Render) -> f64 {
-    render.iter().map(grey_of).sum()
-}
-
+/// Sum over pixels and channels.
 fn grey_of(pixels: &[[f64; 3]; PIXELS]) -> f64 {
     pixels.iter().flatten().sum()
 }
 
-/// The renders of a scene's pairs.
+/// The same of paths of all lengths.
+fn grey(render: &Render) -> f64 {
+    render.iter().map(grey_of).sum()
+}
+
+fn moments(side: &[Render], value: impl Fn(&Render) -> f64) -> Moments {
+    side.iter().map(value).collect()
+}
+
+/// Independent renders of both sides of a pair.
+fn render_pair(scene: &SceneOnDefault, settings: Settings, pair: &Pair, samples: u32, seed: u64) -> [Vec<Render>; 2] {
+    [0, 1].map(|side| {
+        let (integrator, class, share) = pair.sides[side];
+        let run = |run| {
+            let seed = seed + (side * RUNS + run) as u64;
+            render(scene, Settings { integrator, class, seed, ..settings }, share * samples)
+        };
+        (0..RUNS).map(run).collect()
+    })
+}
+
+/// The renders of a scene.
 struct Rendered {
     /// By pair and side.
     pairs: Vec<[Vec<Render>; 2]>,
@@ -103,183 +132,196 @@ struct Rendered {
     whole: Moments,
 }
 
-fn render_pairs(n: usize, random: &RandomScene, samples: u32, seed: u64) -> Rendered {
-    let scene = scene(&random.json);
-    let mut next = (seed + n as u64) * 1000;
-    let mut runs = |integrator, class, samples, count| -> Vec<Render> {
-        (0..count)
-            .map(|_| {
-                next += 1;
-                render(&scene, Settings { integrator, class, seed: next, ..random.settings }, samples)
-            })
-            .collect()
-    };
-    let whole = runs(Integrator::Bdpt, ALL, samples, 4).iter().map(grey).collect();
-    let pairs = PAIRS
-        .iter()
-        .map(|pair| pair.sides.map(|(integrator, class, share)| runs(integrator, class, share * samples, RUNS)))
+/// Seeds of a scene's renders: far enough apart for all of its own.
+fn seed_of(scene: usize, seed: u64) -> u64 {
+    (seed + scene as u64) * 1000
+}
+
+impl Rendered {
+    fn new(n: usize, random: &RandomScene, samples: u32, seed: u64) -> Self {
+        let scene = scene(&random.json);
+        let first = seed_of(n, seed);
+        let pair = |i: usize| render_pair(&scene, random.settings, &PAIRS[i], samples, first + 100 * i as u64);
+        let whole = |run| grey(&render(&scene, Settings { seed: first + 900 + run, ..random.settings }, samples));
+        Self { pairs: (0..PAIRS.len()).map(pair).collect(), whole: (0..4).map(whole).collect() }
+    }
+
+    /// Mean and relative variance of what the *other* pairs have found: what a pair is measured by must not come from its
+    /// own renders. A run that has missed something rare has too small a mean and too little variance at once.
+    fn others(&self, pair: usize) -> (f64, f64) {
+        let sides = self.pairs.iter().enumerate().filter(|(i, _)| *i != pair).flat_map(|(_, sides)| sides);
+        let sides: Vec<Moments> = sides.map(|side| moments(side, grey)).collect();
+        let mean = sides.iter().map(Moments::mean).sum::<f64>() / sides.len() as f64;
+        (mean, sides.iter().map(|m| m.variance() / m.mean().powi(2)).sum())
+    }
+}
+
+/// One number to compare.
+#[derive(Clone, Copy, Debug)]
+struct Quantity {
+    pair: usize,
+    scene: usize,
+    edges: usize,
+    pixel: usize,
+    channel: usize,
+}
+
+impl Quantity {
+    fn p_value(&self, [a, b]: &[Vec<Render>; 2]) -> Option<f64> {
+        let value = |r: &Render| r[self.edges][self.pixel][self.channel];
+        let unit = moments(b, |r| grey_of(&r[self.edges])).mean() / (3 * PIXELS) as f64;
+        p_value(&moments(a, value), &moments(b, value), unit)
+    }
+}
+
+/// Single pixels and channels by length of path, in two stages.
+fn single_tests(scenes: &[RandomScene], rendered: &[Rendered], samples: u32, seed: u64) {
+    let mut tests = 0;
+    let mut suspects = Vec::new();
+    for (scene, render) in rendered.iter().enumerate() {
+        for (pair, sides) in render.pairs.iter().enumerate() {
+            for i in 0..EDGES * PIXELS * 3 {
+                let (edges, pixel, channel) = (i / (PIXELS * 3), i / 3 % PIXELS, i % 3);
+                let quantity = Quantity { pair, scene, edges, pixel, channel };
+                if let Some(p) = quantity.p_value(sides) {
+                    tests += 1;
+                    // A NaN is suspicious.
+                    if p.is_nan() || p < SUSPICIOUS {
+                        suspects.push((quantity, p));
+                    }
+                }
+            }
+        }
+    }
+    eprintln!("{tests} single tests, {} suspects", suspects.len());
+    let again: Vec<_> = suspects
+        .par_iter()
+        .map(|&(quantity, p)| {
+            let Quantity { pair, scene: n, .. } = quantity;
+            let RandomScene { json, settings, .. } = &scenes[n];
+            let seed = seed_of(n, seed) + 500 + 100 * pair as u64;
+            let sides = render_pair(&scene(json), *settings, &PAIRS[pair], MORE * samples, seed);
+            (quantity, p, quantity.p_value(&sides))
+        })
         .collect();
-    Rendered { pairs, whole }
-}
-
-/// Single tests, of which the smallest p-value must not be smaller than so many make it.
-#[derive(Default)]
-struct Family {
-    tests: u64,
-    smallest: Option<(f64, String)>,
-}
-
-impl Family {
-    /// Means of two sides; differences that rounding makes of means of the size `unit` are none.
-    fn test(&mut self, a: &Moments, b: &Moments, unit: f64, label: impl Fn() -> String) {
-        let welch = Welch::new(a, b);
-        let excess = (welch.difference.abs() - ROUNDING * unit).max(0.0);
-        if excess == 0.0 && welch.error == 0.0 {
-            return;
-        }
-        let p = if welch.error > 0.0 { student_t_two_sided(excess / welch.error, welch.dof) } else { 0.0 };
-        self.add(p, || format!("{}: {:.3e} and {:.3e}", label(), a.mean(), b.mean()));
-    }
-
-    fn add(&mut self, p: f64, label: impl Fn() -> String) {
-        self.tests += 1;
-        // A NaN is the smallest.
-        if self.smallest.as_ref().is_none_or(|(least, _)| p.is_nan() || p < *least) {
-            self.smallest = Some((p, label()));
+    let mut family = Family::default();
+    for (quantity, before, p) in again {
+        let label = format!("{}, {quantity:?}: p = {before:.1e}, and again p = {p:?}", PAIRS[quantity.pair].name);
+        eprintln!("{label}");
+        if let Some(p) = p {
+            family.add(p, || label.clone());
         }
     }
+    family.conclude("suspects");
+}
 
-    fn conclude(self, what: &str) {
-        let (p, label) = self.smallest.unwrap_or_else(|| panic!("{what}: nothing was tested"));
-        let level = sidak(ALPHA, self.tests);
-        eprintln!("{what}: {} tests, smallest p {p:.2e} where {level:.2e} is too small ({label})", self.tests);
-        assert!(p >= level, "{what}: {label}: p = {p:.2e}");
+/// Whole images: one p-value for each scene and pair, which must be uniform.
+fn whole_images(rendered: &[Rendered]) {
+    let uniform = |what: &str, p: &[f64]| {
+        let ks = ks_uniform(p);
+        eprintln!("{what}: {} p-values by tenths {}, uniform with p = {:.3}", p.len(), histogram(p), ks.p);
+        assert!(ks.p >= KS_LEVEL, "{what}: the p-values are not uniform: {ks:?}");
+    };
+    let mut all = Vec::new();
+    for (i, pair) in PAIRS.iter().enumerate() {
+        let test = |(n, render): (usize, &Rendered)| {
+            let [a, b] = &render.pairs[i];
+            let b = moments(b, grey);
+            let welch = Welch::new(&moments(a, grey), &b);
+            let [difference, error] = [welch.difference, welch.error].map(|x| 100.0 * x / b.mean());
+            eprintln!("{}, scene {n}: {difference:+.3} % ± {error:.3} %, p = {:.4}", pair.name, welch.p);
+            welch.p
+        };
+        let p: Vec<f64> = rendered.iter().enumerate().map(test).collect();
+        uniform(pair.name, &p);
+        all.extend(p);
+    }
+    uniform("all pairs", &all);
+}
+
+/// Moments over runs of the weighted mean of a pair's differences over scenes, relative to the images' brightness. Scenes
+/// count more, the less noise they have, down to the median's.
+fn pooled(rendered: &[Rendered], scenes: &[usize], pair: usize, value: impl Fn(&Render) -> f64) -> Moments {
+    let others: Vec<(f64, f64)> = rendered.iter().map(|r| r.others(pair)).collect();
+    let mut noise: Vec<f64> = others.iter().map(|(_, noise)| *noise).collect();
+    noise.sort_by(f64::total_cmp);
+    let median = noise[noise.len() / 2];
+    let weights: Vec<f64> = scenes.iter().map(|&n| 1.0 / (others[n].1 + median)).collect();
+    let total: f64 = weights.iter().sum();
+    let difference = |n: usize, run: usize| {
+        let [a, b] = &rendered[n].pairs[pair];
+        (value(&a[run]) - value(&b[run])) / others[n].0
+    };
+    (0..RUNS)
+        .map(|run| scenes.iter().zip(&weights).map(|(&n, w)| w * difference(n, run)).sum::<f64>() / total)
+        .collect()
+}
+
+/// Common biases of all scenes, by length of path and of those that share a feature.
+fn common_biases(rendered: &[Rendered], by_feature: &[(&String, Vec<usize>)], bound: f64) {
+    let all: Vec<usize> = (0..rendered.len()).collect();
+    let zero = Moments::from_iter([0.0; RUNS]);
+    let mut family = Family::default();
+    let mut judge = |what: String, bias: &Moments, shown: bool| {
+        let interval = bias.confidence_interval(0.99).scaled(100.0);
+        if shown {
+            eprintln!("{what}: common bias in {:+.3} … {:+.3} %", interval.low, interval.high);
+        }
+        if let Some(p) = p_value(bias, &zero, 0.0) {
+            family.add(p, || format!("{what}, common bias in {interval:?} %"));
+        }
+    };
+    for (i, pair) in PAIRS.iter().enumerate() {
+        for edges in 0..EDGES {
+            let what = format!("{}, {} edges, relative to the image", pair.name, edges + 1);
+            judge(what, &pooled(rendered, &all, i, |r| grey_of(&r[edges])), true);
+        }
+        for (feature, scenes) in by_feature {
+            let what = format!("{}, {} scenes with {feature}", pair.name, scenes.len());
+            judge(what, &pooled(rendered, scenes, i, grey), feature.starts_with("light: "));
+        }
+    }
+    family.conclude("common biases by length and by feature");
+    for (i, pair) in PAIRS.iter().enumerate() {
+        let left_out = rendered.iter().map(|r| 1.0 - moments(&r.pairs[i][1], grey).mean() / r.whole.mean());
+        let left_out: Moments = left_out.collect();
+        let bias = pooled(rendered, &all, i, grey).confidence_interval(0.99);
+        eprintln!(
+            "{}, {} scenes: common bias in {:+.3} … {:+.3} %; of what bdpt makes {:.1} % are left out",
+            pair.name,
+            all.len(),
+            100.0 * bias.low,
+            100.0 * bias.high,
+            100.0 * left_out.mean()
+        );
+        assert!(bias.within(bound), "{}: {bias:?} is not proven inside ±{bound}", pair.name);
     }
 }
 
-/// Bounds of the common bias of all scenes, pair by pair, and how often each feature has to occur.
-struct Demands {
-    bias: f64,
-    occurrences: usize,
-}
-
-fn agree(count: usize, samples: u32, seed: u64, demands: &Demands) {
+/// Compares the pairs over `count` scenes. Each feature has to occur so many times, and the common bias of each pair has
+/// to be proven inside ±`bound`.
+fn agree(count: usize, samples: u32, seed: u64, occurrences: usize, bound: f64) {
     let (scenes, features) = random_scenes(count, seed);
     let having = |feature: &String| (0..count).filter(|&n| scenes[n].features.contains(feature)).collect();
     let by_feature: Vec<(&String, Vec<usize>)> = features.iter().map(|feature| (feature, having(feature))).collect();
     for (feature, scenes) in &by_feature {
         eprintln!("{feature}: {} scenes", scenes.len());
-        assert!(scenes.len() >= demands.occurrences, "{feature}: in {} scenes only", scenes.len());
+        assert!(scenes.len() >= occurrences, "{feature}: in {} scenes only", scenes.len());
     }
-
     let rendered: Vec<Rendered> =
-        scenes.par_iter().enumerate().map(|(n, random)| render_pairs(n, random, samples, seed)).collect();
-
-    let mut tiles = Family::default();
-    let mut all_p = Vec::new();
-    for (i, pair) in PAIRS.iter().enumerate() {
-        let mut p = Vec::new();
-        for (n, scene) in rendered.iter().enumerate() {
-            let [a, b] = &scene.pairs[i];
-            let moments = |side: &[Render], f: &dyn Fn(&Render) -> f64| side.iter().map(f).collect::<Moments>();
-            for edges in 0..EDGES {
-                let unit = moments(b, &|r| grey_of(&r[edges]) / (3 * PIXELS) as f64).mean();
-                for pixel in 0..PIXELS {
-                    for channel in 0..3 {
-                        let value = |r: &Render| r[edges][pixel][channel];
-                        let label = || {
-                            format!("{}, scene {n}, {} edges, pixel {pixel}, channel {channel}", pair.name, edges + 1)
-                        };
-                        tiles.test(&moments(a, &value), &moments(b, &value), unit, label);
-                    }
-                }
-            }
-            let welch = Welch::new(&moments(a, &grey), &moments(b, &grey));
-            eprintln!(
-                "{}, scene {n}: {:+.3} % ± {:.3} %, p = {:.4}",
-                pair.name,
-                100.0 * welch.difference / moments(b, &grey).mean(),
-                100.0 * welch.error / moments(b, &grey).mean(),
-                welch.p
-            );
-            p.push(welch.p);
-        }
-        let ks = ks_uniform(&p);
-        eprintln!("{}: p-values of {count} scenes: {}, KS p = {:.3}", pair.name, histogram(&p), ks.p);
-        assert!(ks.p >= KS_LEVEL, "{}: the p-values are not uniform: {ks:?}", pair.name);
-        all_p.extend(p);
-    }
-    let ks = ks_uniform(&all_p);
-    eprintln!("all pairs: {}, KS p = {:.3}", histogram(&all_p), ks.p);
-    assert!(ks.p >= KS_LEVEL, "the p-values are not uniform: {ks:?}");
-    tiles.conclude("pixels, channels, edges, scenes, pairs");
-
-    let mut features = Family::default();
-    for (i, pair) in PAIRS.iter().enumerate() {
-        for edges in 0..EDGES {
-            let bias = pooled(&rendered, 0..count, i, &|r| grey_of(&r[edges]));
-            let zero = Moments::from_iter([0.0; RUNS]);
-            eprintln!("{}, {} edges: common bias in {:?}", pair.name, edges + 1, bias.confidence_interval(0.99));
-            features.test(&bias, &zero, 0.0, || format!("{}, {} edges", pair.name, edges + 1));
-        }
-        for (feature, scenes) in &by_feature {
-            let bias = pooled(&rendered, scenes.iter().copied(), i, &grey);
-            if feature.starts_with("light: ") {
-                eprintln!("{}, {feature}: common bias in {:?}", pair.name, bias.confidence_interval(0.99));
-            }
-            features.test(&bias, &Moments::from_iter([0.0; RUNS]), 0.0, || format!("{}, {feature}", pair.name));
-        }
-    }
-    features.conclude("common biases by length and by feature");
-    for (i, pair) in PAIRS.iter().enumerate() {
-        let bias = pooled(&rendered, 0..count, i, &grey).confidence_interval(0.99);
-        let left_out: Moments = rendered
-            .iter()
-            .map(|r| 1.0 - r.pairs[i][1].iter().map(grey).collect::<Moments>().mean() / r.whole.mean())
-            .collect();
-        eprintln!(
-            "{}: common bias of {count} scenes in {bias:?}; left out {:.1} % of the light",
-            pair.name,
-            100.0 * left_out.mean()
-        );
-        assert!(bias.within(demands.bias), "{}: {bias:?} is not proven inside ±{}", pair.name, demands.bias);
-    }
-}
-
-/// Moments over runs of the mean relative difference of a pair over scenes.
-fn pooled(
-    rendered: &[Rendered],
-    scenes: impl Iterator<Item = usize> + Clone,
-    pair: usize,
-    value: &dyn Fn(&Render) -> f64,
-) -> Moments {
-    // Relative to the mean over all runs of the other side, which the run at hand hardly moves. Scenes without any such
-    // paths (a delta light seen directly, say) have nothing to say.
-    let scale = |n: usize| rendered[n].pairs[pair][1].iter().map(value).collect::<Moments>().mean();
-    let scales: Vec<(usize, f64)> = scenes.map(|n| (n, scale(n))).filter(|(_, s)| *s > 0.0).collect();
-    let difference = |n: usize, run: usize| {
-        let [a, b] = &rendered[n].pairs[pair];
-        value(&a[run]) - value(&b[run])
-    };
-    (0..RUNS)
-        .map(|run| scales.iter().map(|&(n, s)| difference(n, run) / s).sum::<f64>() / scales.len().max(1) as f64)
-        .collect()
-}
-
-/// How many values lie in each tenth of the unit interval.
-fn histogram(p: &[f64]) -> String {
-    let mut counts = [0; 10];
-    p.iter().for_each(|p| counts[((p * 10.0) as usize).min(9)] += 1);
-    format!("{counts:?}")
+        scenes.par_iter().enumerate().map(|(n, random)| Rendered::new(n, random, samples, seed)).collect();
+    whole_images(&rendered);
+    common_biases(&rendered, &by_feature, bound);
+    single_tests(&scenes, &rendered, samples, seed);
 }
 
 #[test]
 fn everything_by_path_light_and_bdpt() {
-    agree(24, 1 << 8, 9000, &Demands { bias: 0.02, occurrences: 2 });
+    agree(24, 1 << 7, 9000, 2, 0.03);
 }
 
 #[test]
 #[ignore = "deep"]
 fn two_hundred_scenes_by_path_light_and_bdpt() {
-    agree(200, 1 << 11, 9100, &Demands { bias: 0.003, occurrences: 10 });
+    agree(200, 3 << 8, 9100, 10, 0.003);
 }

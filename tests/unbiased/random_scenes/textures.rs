@@ -8,15 +8,31 @@ use twinlight::output::{Metadata, write_image};
 
 use super::deck::Deck;
 
-/// What a colour may be. Half of them are plain, as in a scene file.
-const COLORS: &[&str] =
-    &["plain", "plain", "plain", "plain", "constant", "checker", "marble", "bilinear image", "nearest image", "nested"];
+/// What a colour may be: mostly plain, as in a scene file.
+const COLORS: &[&str] = &[
+    "plain",
+    "plain",
+    "plain",
+    "plain",
+    "plain",
+    "plain",
+    "plain",
+    "plain",
+    "constant",
+    "checker",
+    "marble",
+    "bilinear image",
+    "nearest image",
+    "nested",
+];
 
 /// What a number may be.
-const NUMBERS: &[&str] = &["plain", "plain", "plain", "checker", "marble", "image"];
+const NUMBERS: &[&str] = &["plain", "plain", "plain", "plain", "plain", "checker", "marble", "image"];
 
 /// What may turn the normal.
 const MAPS: &[&str] = &[
+    "none",
+    "none",
     "none",
     "none",
     "none",
@@ -85,7 +101,7 @@ impl Textures {
             "checker" => json!({ "type": "checker", "scale": 9.0 / self.scale, "even": color, "odd": darker }),
             "marble" => json!({ "type": "marble", "scale": 5.0 / self.scale, "base": color, "veins": darker }),
             "nested" => {
-                let odd = json!({ "type": "marble", "scale": 7.0 / self.scale, "base": darker, "veins": color });
+                let odd = json!({ "type": "image", "filename": colored(), "scale": 0.5 });
                 json!({ "type": "checker", "scale": 6.0 / self.scale, "even": color, "odd": odd })
             }
             kind => {
