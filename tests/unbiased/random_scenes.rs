@@ -36,10 +36,12 @@ mod materials;
 mod textures;
 
 use rayon::prelude::*;
+use serde_json::json;
 use twinlight::compare::stats::{Moments, Welch, ks_uniform};
 use twinlight::integrator::{Crop, Integrator, PathClass, PixelSample, Recorder, SampleLoop, Settings};
+use twinlight::math::DVec3;
 
-use crate::common::{SceneOnDefault, scene};
+use crate::common::{SceneOnDefault, View, diffuse, facing, quad, scene, scene_json, settings, sphere};
 use family::{Family, histogram, p_value};
 use generator::{BOUNCES, RandomScene, random_scenes};
 
@@ -313,6 +315,27 @@ fn agree(count: usize, samples: u32, seed: u64, occurrences: usize, bound: f64) 
     whole_images(&rendered);
     common_biases(&rendered, &by_feature, bound);
     single_tests(&scenes, &rendered, samples, seed);
+}
+
+/// What is outside a class is left out to the last contribution, and nothing that is inside.
+#[test]
+fn classes_keep_out_what_one_side_cannot_make() {
+    let view = View { from: DVec3::Z, at: DVec3::ZERO, up: DVec3::Y, vfov: 60.0, resolution: [2, 2] };
+    let floor = quad(&facing(DVec3::new(0.0, -1.0, 0.0), DVec3::Y), [6.0; 2], diffuse(0.5));
+    let wall = quad(&facing(DVec3::new(0.0, 0.0, -1.0), DVec3::Z), [6.0; 2], diffuse(0.5));
+    let lamp = json!({ "type": "point", "position": [0.2, 0.8, -0.2], "intensity": 1 });
+    let window = |at: DVec3| sphere(at, 0.15, false, json!({ "type": "null" }));
+    for (what, surround, class, other) in [
+        ("the light behind a window", DVec3::new(0.2, 0.8, -0.2), OF_PATH, OF_LIGHT),
+        ("the camera behind a window", DVec3::Z, OF_LIGHT, OF_PATH),
+    ] {
+        let scene =
+            scene(&scene_json(view.json(), vec![floor.clone(), wall.clone(), window(surround)], vec![lamp.clone()]));
+        let bdpt = |class| grey(&render(&scene, Settings { class, ..settings(Integrator::Bdpt, BOUNCES) }, 64));
+        assert_eq!(bdpt(class), 0.0, "{what}");
+        assert!(bdpt(ALL) > 0.0, "{what}: nothing is left to be kept out");
+        assert_eq!(bdpt(ALL), bdpt(other), "{what}: the other class holds all of it");
+    }
 }
 
 #[test]
