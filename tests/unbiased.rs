@@ -10,6 +10,8 @@ mod cameras;
 mod caustics;
 #[path = "unbiased/integrators.rs"]
 mod integrators;
+#[path = "unbiased/random_scenes.rs"]
+mod random_scenes;
 #[path = "unbiased/settings.rs"]
 mod settings;
 #[path = "unbiased/sphere.rs"]

@@ -5,7 +5,7 @@
 
 use super::Failure;
 use super::args::{RenderArgs, Size};
-use crate::integrator::{Integrator, Settings, Technique};
+use crate::integrator::{Integrator, PathClass, Settings, Technique};
 use crate::light::Light;
 use crate::scene::Prepared;
 use crate::scene::desc::{Heuristic, IntegratorKind, SceneDesc};
@@ -81,6 +81,7 @@ pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure
         seed: desc.sampler.seed,
         weighted: !args.unweighted,
         only: args.technique.map(|t| t.0),
+        class: PathClass::default(),
     };
     match settings.only {
         Some(t) => check_technique(t, &settings).map(|()| settings),

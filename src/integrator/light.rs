@@ -92,6 +92,9 @@ fn trace<A: Accel>(
     let mut s = 2;
     while s - 1 <= settings.max_bounces {
         let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light) else { return };
+        if settings.class.ends_light_subpath(light, s, arrival.through_window) {
+            return;
+        }
         let at = &arrival.at;
         let bsdf = &arrival.surface.bsdf;
         let wo = -ray.d;
@@ -113,6 +116,9 @@ fn trace<A: Accel>(
         let u = sampler.next_2d();
         let lobe = sampler.next_1d();
         let Some(next) = bsdf.sample(at, wo, lobe, u, Transport::Importance) else { return };
+        if settings.class.ends_light_subpath(light, s, next.delta) {
+            return;
+        }
         beta *= next.weight;
         let Some(q) = roulette.survive(beta, next.eta_scale, || {
             sampler.set_dimension(block + dimensions::ROULETTE);

@@ -1,11 +1,13 @@
 //! Integrators: one sample of one pixel in, contributions out. They never open a file, read a clock or see a thread.
 
 pub mod bdpt;
+mod class;
 pub mod light;
 pub mod path;
 mod recorder;
 mod roulette;
 
+pub use class::PathClass;
 pub use recorder::{Contribution, Rays, Recorder, Rejected, Technique};
 pub use roulette::Roulette;
 
@@ -51,6 +53,8 @@ pub struct Settings {
     pub weighted: bool,
     /// Record this technique alone.
     pub only: Option<Technique>,
+    /// Make the paths of this class alone.
+    pub class: PathClass,
 }
 
 impl Default for Settings {
@@ -67,6 +71,7 @@ impl Default for Settings {
             seed: 0,
             weighted: true,
             only: None,
+            class: PathClass::default(),
         }
     }
 }

@@ -122,12 +122,18 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         let arrival = match reached {
             Reached::Surface(arrival) => arrival,
             Reached::Infinity { through_window } => {
+                if settings.class.ends_camera_subpath(t, true) {
+                    return;
+                }
                 for &id in &scene.environments {
                     hit(id, LightPoint::Infinite(ray.d), through_window);
                 }
                 return;
             }
         };
+        if settings.class.ends_camera_subpath(t, arrival.through_window) {
+            return;
+        }
         let at = &arrival.at;
         if let Some(id) = arrival.surface.light {
             hit(id, LightPoint::Surface(*at), arrival.through_window);
@@ -166,6 +172,9 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         let u = sampler.next_2d();
         let lobe = sampler.next_1d();
         let Some(next) = bsdf.sample(at, wo, lobe, u, Transport::Radiance) else { return };
+        if settings.class.ends_camera_subpath(t, next.delta) {
+            return;
+        }
         beta *= next.weight;
         let Some(q) = roulette.survive(beta, next.eta_scale, || {
             sampler.set_dimension(block + dimensions::ROULETTE);

@@ -6,14 +6,14 @@ use twinlight::compare::stats::{Moments, Welch, sidak, student_t_quantile, stude
 use twinlight::film::Image;
 
 /// Level of a whole family of tests: the chance that one assertion fails for nothing when its seeds are drawn.
-const ALPHA: f64 = 1e-4;
+pub const ALPHA: f64 = 1e-4;
 
 /// Confidence of the intervals that must lie inside the bounds.
 const CONFIDENCE: f64 = 0.99;
 
 /// Relative differences below this are rounding: a few dozen f32 operations make a contribution, and where the
 /// sampling error vanishes (a point light seen through a small pixel) they are all there is to see.
-const ROUNDING: f64 = 1e-5;
+pub const ROUNDING: f64 = 1e-5;
 
 /// What to look at, and how small the difference must be proven to be.
 #[derive(Clone, Copy, Debug)]

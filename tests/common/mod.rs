@@ -23,7 +23,7 @@ use twinlight::math::{DAffine3, DVec3};
 use twinlight::render::{RenderJob, Rendered, render};
 use twinlight::scene::{Prepared, Scene, prepare};
 
-pub use estimate::{Bounds, assert_closed, assert_same, expect_colored, pooled_ratio, validation_row};
+pub use estimate::{ALPHA, Bounds, ROUNDING, assert_closed, assert_same, expect_colored, pooled_ratio, validation_row};
 pub use view::View;
 
 /// The accelerator that tests run on unless they say otherwise.

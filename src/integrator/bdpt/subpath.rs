@@ -45,6 +45,9 @@ impl Bdpt {
         let mut number = 2;
         while number - 1 <= self.settings.max_bounces {
             let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light) else { return };
+            if self.settings.class.ends_light_subpath(light, number, arrival.through_window) {
+                return;
+            }
             let at = arrival.at;
             let wo = -ray.d;
             let cos_in = f64::from(wo.dot(at.ng).abs());
@@ -83,6 +86,9 @@ impl Bdpt {
             let block = light_dimensions::START + (number - 2) * light_dimensions::BLOCK;
             sampler.set_dimension(block);
             let Some(next) = scatter(&vertex, Transport::Importance, &mut sampler) else { return };
+            if self.settings.class.ends_light_subpath(light, number, next.delta) {
+                return;
+            }
             sampler.set_dimension(block + light_dimensions::ROULETTE);
             let Some(thinned) = thin(&vertex, &next, &mut roulette, &mut sampler) else { return };
             beta = thinned;
@@ -120,7 +126,7 @@ impl Bdpt {
             let arrival = match scene.follow(ray, &mut coins, &mut recorder.rays.camera) {
                 Reached::Surface(arrival) => arrival,
                 Reached::Infinity { through_window } => {
-                    if !scene.environments.is_empty() {
+                    if !scene.environments.is_empty() && !self.settings.class.ends_camera_subpath(number, true) {
                         // A point at infinity: no distance and no cosine belong to the edge.
                         let partial = match &departure {
                             None => self.mis.arrive_from_camera(primary.pdf.0, 1.0, 1.0, !through_window),
@@ -137,7 +143,7 @@ impl Bdpt {
             };
             let at = arrival.at;
             let cos_in = f64::from(wo.dot(at.ng).abs());
-            if cos_in == 0.0 {
+            if cos_in == 0.0 || self.settings.class.ends_camera_subpath(number, arrival.through_window) {
                 return;
             }
             let from = receiver.p;
@@ -165,6 +171,9 @@ impl Bdpt {
             }
             sampler.set_dimension(block + camera_dimensions::DIRECTION);
             let Some(next) = scatter(&vertex, Transport::Radiance, &mut sampler) else { return };
+            if self.settings.class.ends_camera_subpath(number, next.delta) {
+                return;
+            }
             sampler.set_dimension(block + camera_dimensions::ROULETTE);
             let Some(thinned) = thin(&vertex, &next, &mut roulette, &mut sampler) else { return };
             beta = thinned;

@@ -19,6 +19,8 @@ pub struct Inner {
     pub light: Option<u32>,
     /// Whether the walk came to it through a window.
     pub through_window: bool,
+    /// Whether the path goes on by a delta lobe: of a mixture, the one that the walk chose.
+    pub delta: bool,
 }
 
 /// A full path: light vertex, inner vertices from light to camera, camera.
@@ -32,6 +34,8 @@ pub struct FullPath {
     pub numbers: LensNumbers,
     /// `windows[i]`: a window lies between vertex i and vertex i + 1.
     pub windows: Vec<bool>,
+    /// The edge that no walk has gone along, by its first vertex; `None` where a light was hit.
+    pub joined: Option<usize>,
 }
 
 impl FullPath {
@@ -78,12 +82,31 @@ impl FullPath {
         if i == 0 { self.start.distance_squared(next) } else { distance_squared(self.point(i), next) }
     }
 
+    /// What connections along the edges that were walked let through, from either end: by edge. Where it is
+    /// nothing, techniques do not make the same paths; where the ends disagree, they do not measure the same.
+    pub fn visibilities(&self, scene: &Scene<BvhAccel>) -> Vec<[f32; 2]> {
+        let k = self.inner.len() + 1;
+        let seen = |ray: &Ray| scene.visibility(ray, &mut 0);
+        let at = |i: usize| &self.inner[i - 1].at;
+        let toward =
+            |i: usize, j: usize| seen(&Ray::segment(at(i).origin(at(j).p() - at(i).p()), at(j).segment_end(at(i).p())));
+        let to_camera = |at: &SurfacePoint| seen(&Ray::segment(at.origin(self.direction(k - 1, k)), self.camera));
+        let edge = |i: usize| match (i, &self.start) {
+            // The camera's edge and the light's are looked along from one end alone.
+            (0, LightPoint::Surface(at)) if k == 1 => [to_camera(at); 2],
+            (0, start) => [seen(&start.shadow_ray(at(1))); 2],
+            (i, _) if i + 1 == k => [to_camera(at(i)); 2],
+            (i, _) => [toward(i, i + 1), toward(i + 1, i)],
+        };
+        (0..k).filter(|&i| self.joined != Some(i) && !self.windows[i]).map(edge).collect()
+    }
+
     /// Relative error that the rounding of stored points causes at delta vertices: that of a direction is ε over the
     /// edge's length; Snell's law, cosθt² = 1 − (1 − cosθo²)/η², hands it on to the other cosine as
     /// d cosθt/cosθt = cosθo d cosθo/(η² cosθt²).
     pub fn condition(&self, scene: &Scene<BvhAccel>) -> f64 {
         let mut sum = 0.0;
-        for (i, v) in (1..).zip(&self.inner).filter(|(_, v)| !v.bsdf.is_connectible()) {
+        for (i, v) in (1..).zip(&self.inner).filter(|(_, v)| v.delta) {
             for (end, edge) in [(i - 1, i - 1), (i + 1, i)] {
                 let cos = f64::from(self.direction(i, end).dot(v.at.ng).abs());
                 sum += f64::from(f32::EPSILON) / (self.distance_squared(scene, edge).sqrt() * cos * cos);
@@ -111,22 +134,26 @@ fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &m
                 break;
             }
         };
-        let v = Inner {
+        let mut v = Inner {
             at: arrival.at,
             bsdf: arrival.surface.bsdf,
             light: arrival.surface.light,
             through_window: arrival.through_window,
+            delta: !arrival.surface.bsdf.is_connectible(),
         };
-        out.vertices.push(v);
         let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
-        let Some(s) = v.bsdf.sample(&v.at, -ray.d, lobe, u, transport) else { break };
+        let next = v.bsdf.sample(&v.at, -ray.d, lobe, u, transport);
+        v.delta |= next.is_some_and(|s| s.delta);
+        out.vertices.push(v);
+        let Some(s) = next else { break };
         ray = Ray::new(v.at.origin(s.wi), s.wi);
     }
     out
 }
 
 /// An open box with an area light, a spot and a point light, a sky and a sun, a mirror, something that shines within
-/// glass, a glass sphere, a curved mesh, a window, a blend of mirror and diffuse, and a wall of bent normals.
+/// glass, a glass sphere, a frosted one, lacquer, a curved mesh, a window, a cut-out screen, a blend of mirror and diffuse,
+/// and a wall of bent normals.
 const SCENE: &str = r#"{
  "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], @},
  "materials": [
@@ -134,6 +161,8 @@ const SCENE: &str = r#"{
   {"name": "glow", "type": "lambertian", "albedo": 0.4, "two_sided": true, "emit": [0.2, 0.1, 0.3]},
   {"name": "glass", "type": "dielectric", "ior": 1.6},
   {"name": "mirror", "type": "mirror", "albedo": 0.9},
+  {"name": "frosted", "type": "dielectric", "ior": 1.4, "roughness": 0.3},
+  {"name": "lacquer", "type": "plastic", "albedo": [0.6, 0.3, 0.2], "roughness": 0, "two_sided": true},
   {"name": "window", "type": "null"},
   {"name": "worn", "type": "blend", "a": "white", "b": {"type": "mirror", "albedo": 0.8},
    "amount": {"type": "checker", "scale": 9, "even": 0.05, "odd": 0.15}},
@@ -148,6 +177,10 @@ const SCENE: &str = r#"{
   {"type": "quad", "size": 4, "transform": [{"rotate": [-90, 0, 1, 0]}, {"translate": [1.6, 0, 0]}], "material": "worn"},
   {"type": "sphere", "radius": 0.5, "transform": {"translate": [0.5, -0.4, 0.3]}, "material": "glass"},
   {"type": "sphere", "radius": 0.2, "transform": {"translate": [0.5, -0.4, 0.3]}, "material": "glow"},
+  {"type": "sphere", "radius": 0.3, "transform": {"translate": [-0.6, -0.7, 0.5]}, "material": "frosted"},
+  {"type": "quad", "size": 1, "transform": [{"rotate": [40, 0, 1, 0]}, {"translate": [-0.3, 0.7, -0.9]}], "material": "lacquer"},
+  {"type": "quad", "size": 0.9, "transform": [{"rotate": [30, 1, 0, 0]}, {"translate": [0.7, 0.5, 0.5]}], "material": "white",
+   "opacity": {"type": "checker", "scale": 15, "even": 0.7, "odd": 0.2}},
   {"type": "quad", "size": 1.2, "transform": {"translate": [-0.6, 0.2, 0.4]}, "material": "window"},
   {"type": "triangle", "positions": [[-1.2, -1, -0.8], [0, -0.8, -1], [-0.6, 0.4, -0.9]],
    "normals": [[-0.4, 0, 1], [0.5, 0.1, 1], [0, 0.5, 1]], "material": "white"},
@@ -210,7 +243,7 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
         let light = environments[(u.next_1d() * environments.len() as f32) as usize];
         let windows = [through_window].into_iter().chain(camera_walk.iter().rev().map(|v| v.through_window)).collect();
         let inner = camera_walk.into_iter().rev().collect();
-        return FullPath { light, start: LightPoint::Infinite(toward), inner, windows, numbers, camera }
+        return FullPath { light, start: LightPoint::Infinite(toward), inner, windows, numbers, camera, joined: None }
             .with_lens(scene);
     }
     camera_walk.truncate(1 + (u.next_1d() * camera_walk.len() as f32) as usize);
@@ -221,17 +254,20 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
         let mut windows: Vec<bool> = vec![end.through_window];
         windows.extend(camera_walk.iter().rev().map(|v| v.through_window));
         let inner = camera_walk.into_iter().rev().collect();
-        return FullPath { light: end.light?, start: LightPoint::Surface(end.at), inner, camera, numbers, windows }
-            .with_lens(scene);
+        let start = LightPoint::Surface(end.at);
+        return FullPath { light: end.light?, start, inner, camera, numbers, windows, joined: None }.with_lens(scene);
     }
     light_walk.truncate((u.next_1d() * (light_walk.len() + 1) as f32) as usize);
     // The joined ends must be connectible, and are taken to see each other.
     if light_walk.last().is_some_and(|v| !v.bsdf.is_connectible()) || !camera_walk.last()?.bsdf.is_connectible() {
         return None;
     }
+    // A connection goes by what of a mixture is no delta, whatever the walk would have done.
+    light_walk.last_mut().into_iter().chain(camera_walk.last_mut()).for_each(|v| v.delta = false);
+    let joined = Some(light_walk.len());
     let mut windows: Vec<bool> = light_walk.iter().map(|v| v.through_window).collect();
     windows.push(false);
     windows.extend(camera_walk.iter().rev().map(|v| v.through_window));
     let inner = light_walk.into_iter().chain(camera_walk.into_iter().rev()).collect();
-    FullPath { light, start: emission.point, inner, camera, numbers, windows }.with_lens(scene)
+    FullPath { light, start: emission.point, inner, camera, numbers, windows, joined }.with_lens(scene)
 }
