@@ -101,7 +101,7 @@ fn cut_outs_are_found_by_rays_from_everywhere() {
             for (q, s) in
                 geometry.quadrics.iter().zip(&geometry.quadric_surface).filter(|(_, s)| cut_outs[**s as usize])
             {
-                alone.quadrics.push(q.clone());
+                alone.quadrics.push(*q);
                 alone.quadric_surface.push(*s);
             }
             let (geometry, alone) = (Arc::new(geometry), Arc::new(alone));
