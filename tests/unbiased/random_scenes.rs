@@ -35,6 +35,8 @@ mod materials;
 #[path = "random_scenes/textures.rs"]
 mod textures;
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use serde_json::json;
 use twinlight::compare::stats::{Moments, Welch, ks_uniform};
@@ -57,7 +59,7 @@ const PIXELS: usize = 4;
 const KS_LEVEL: f64 = 1e-3;
 
 /// p-values below this make a suspect, which is rendered again with so many times the samples.
-const SUSPICIOUS: f64 = 1e-4;
+const SUSPICIOUS: f64 = 1e-5;
 const MORE: u32 = 8;
 
 /// One render: mean radiance by number of edges less one, pixel and channel.
@@ -179,7 +181,8 @@ impl Quantity {
 /// Single pixels and channels by length of path, in two stages.
 fn single_tests(scenes: &[RandomScene], rendered: &[Rendered], samples: u32, seed: u64) {
     let mut tests = 0;
-    let mut suspects = Vec::new();
+    // By scene and pair, which are rendered once for all of their suspects.
+    let mut suspects: BTreeMap<(usize, usize), Vec<(Quantity, f64)>> = BTreeMap::new();
     for (scene, render) in rendered.iter().enumerate() {
         for (pair, sides) in render.pairs.iter().enumerate() {
             for i in 0..EDGES * PIXELS * 3 {
@@ -189,26 +192,29 @@ fn single_tests(scenes: &[RandomScene], rendered: &[Rendered], samples: u32, see
                     tests += 1;
                     // A NaN is suspicious.
                     if p.is_nan() || p < SUSPICIOUS {
-                        suspects.push((quantity, p));
+                        suspects.entry((scene, pair)).or_default().push((quantity, p));
                     }
                 }
             }
         }
     }
-    eprintln!("{tests} single tests, {} suspects", suspects.len());
-    let again: Vec<_> = suspects
+    let count: usize = suspects.values().map(Vec::len).sum();
+    eprintln!("{tests} single tests, {count} suspects in {} renders", suspects.len());
+    let again: Vec<Vec<(Quantity, f64, Option<f64>)>> = suspects
         .par_iter()
-        .map(|&(quantity, p)| {
-            let Quantity { pair, scene: n, .. } = quantity;
+        .map(|(&(n, pair), suspects)| {
             let RandomScene { json, settings, .. } = &scenes[n];
             let seed = seed_of(n, seed) + 500 + 100 * pair as u64;
             let sides = render_pair(&scene(json), *settings, &PAIRS[pair], MORE * samples, seed);
-            (quantity, p, quantity.p_value(&sides))
+            suspects.iter().map(|&(quantity, p)| (quantity, p, quantity.p_value(&sides))).collect()
         })
         .collect();
     let mut family = Family::default();
-    for (quantity, before, p) in again {
-        let label = format!("{}, {quantity:?}: p = {before:.1e}, and again p = {p:?}", PAIRS[quantity.pair].name);
+    for (quantity, before, p) in again.into_iter().flatten() {
+        let Quantity { pair, scene, edges, pixel, channel } = quantity;
+        let place = format!("scene {scene}, {} edges, pixel {pixel}, channel {channel}", edges + 1);
+        let again = p.map_or("nothing".to_owned(), |p| format!("p = {p:.1e}"));
+        let label = format!("{}, {place}: p = {before:.1e}, and again {again}", PAIRS[pair].name);
         eprintln!("{label}");
         if let Some(p) = p {
             family.add(p, || label.clone());
