@@ -25,7 +25,7 @@ pub use conductor::{Conductor, Reflectance};
 pub use empirical::{Empirical, Shape};
 pub use fresnel::{fresnel_conductor, fresnel_dielectric, fresnel_schlick, hemispherical_dielectric};
 pub use microfacet::{Distribution, Masking, Roughness};
-pub use plastic::{Plastic, PlasticCoat};
+pub use plastic::Plastic;
 pub use rough_dielectric::RoughDielectric;
 
 use crate::geometry::SurfacePoint;

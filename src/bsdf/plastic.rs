@@ -29,32 +29,12 @@ pub struct Plastic {
     base: [f32; 3],
     /// Mean of ρ' over the channels, which the choice between the lobes follows.
     base_mean: f32,
-    /// As in the `PlasticCoat`, whose mean is in `base`: a BSDF is copied often and stays small.
-    ior: f32,
-    alpha: f32,
-    rough: Option<&'static Coat>,
-    two_sided: bool,
-}
-
-/// A plastic's coat, whatever the base under it: found once where only the base varies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlasticCoat {
     /// Index of the coat over that of the outside, at least 1.
     ior: f32,
-    /// Of the coat; without `rough` it is smooth.
+    /// Of the coat; without `coat` it is smooth.
     alpha: f32,
-    rough: Option<&'static Coat>,
-    /// Ē.
-    mean: f32,
-}
-
-impl PlasticCoat {
-    /// A coat of the index `ior` ≥ 1 and the roughness `alpha`, GGX with separable masking.
-    pub fn new(ior: f32, alpha: f32) -> Self {
-        let rough = (alpha >= SMOOTH).then(|| Coat::of(ior));
-        let mean = rough.map_or_else(|| smooth_mean(ior), |coat| coat.mean(alpha));
-        Self { ior, alpha, rough, mean }
-    }
+    coat: Option<&'static Coat>,
+    two_sided: bool,
 }
 
 /// Coat and base between two directions of one side.
@@ -66,24 +46,26 @@ struct Mixture {
 }
 
 impl Plastic {
-    /// A base of the given albedo, per channel in [0, 1], under a coat.
-    pub fn new(albedo: Rgb, coat: PlasticCoat, nonlinear: bool, two_sided: bool) -> Self {
-        let PlasticCoat { ior, alpha, rough, mean } = coat;
+    /// A base of the given albedo under a coat of the index `ior` ≥ 1 and the roughness `alpha`, GGX with separable
+    /// masking.
+    pub fn new(albedo: Rgb, ior: f32, alpha: f32, nonlinear: bool, two_sided: bool) -> Self {
+        let coat = (alpha >= SMOOTH).then(|| Coat::of(ior));
+        let mean = coat.map_or_else(|| smooth_mean(ior), |c| c.mean(alpha));
         let inside = 1.0 - (1.0 - mean) / (ior * ior);
         let base = if nonlinear { albedo * (1.0 - inside) / (Rgb::ONE - albedo * inside) } else { albedo };
         let base_mean = base.element_sum() / 3.0;
-        Self { base: (base / (1.0 - mean)).to_array(), base_mean, ior, alpha, rough, two_sided }
+        Self { base: (base / (1.0 - mean)).to_array(), base_mean, ior, alpha, coat, two_sided }
     }
 
     /// Whether the coat is a delta lobe.
     pub fn is_smooth(&self) -> bool {
-        self.rough.is_none()
+        self.coat.is_none()
     }
 
     /// E at a cosine, and the probability of sampling the coat from there. Either walk knows both cosines.
     #[inline]
     fn coat_at(&self, cos: f32) -> (f32, f32) {
-        let e = match self.rough {
+        let e = match self.coat {
             Some(coat) => coat.albedo(self.alpha, cos),
             None => fresnel_dielectric(cos, self.ior).0,
         };
@@ -101,7 +83,7 @@ impl Plastic {
             forward: (1.0 - po) * cosine_hemisphere_pdf(wi.z),
             reverse: (1.0 - pi) * cosine_hemisphere_pdf(wo.z),
         };
-        if !self.is_smooth() {
+        if self.coat.is_some() {
             if let Some(r) = reflection(Distribution::Ggx, Masking::Separable, [self.alpha; 2], wo, wi) {
                 let (fresnel, _) = fresnel_dielectric(r.cos, self.ior);
                 sum.f += Rgb::splat(fresnel * r.d * r.value);
@@ -123,7 +105,7 @@ impl Plastic {
         let local = Local::new(at, wo, self.two_sided, [1.0, 0.0])?;
         let (e, p) = self.coat_at(local.wo.z);
         let coated = lobe < p;
-        let delta = coated && self.is_smooth();
+        let delta = coated && self.coat.is_none();
         let wi = if delta {
             mirror(local.wo, Vec3::Z)
         } else if coated {

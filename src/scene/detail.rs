@@ -6,7 +6,7 @@
 use super::Surface;
 use super::desc::{FinishDesc, MaterialKind, Param};
 use super::material::{self, AtPoint, Everywhere, Lookup as _};
-use crate::bsdf::{Bsdf, PlasticCoat};
+use crate::bsdf::Bsdf;
 use crate::geometry::{Geometry, Hit, SurfacePoint, Tangents};
 use crate::math::{Frame, Vec3};
 use crate::sampling::Coins;
@@ -27,7 +27,7 @@ pub struct Details {
 #[derive(Debug)]
 enum Material {
     Fixed(Bsdf),
-    Varying { kind: MaterialKind, coat: Option<PlasticCoat> },
+    Varying(MaterialKind),
     Blend { a: usize, b: usize, amount: Param<f64> },
 }
 
@@ -53,11 +53,7 @@ impl Details {
             }
             let everywhere = Everywhere::new(&textures);
             let bsdf = material::bsdf(kind, &everywhere);
-            if everywhere.varies() {
-                Material::Varying { kind: kind.clone(), coat: material::fixed_coat(kind) }
-            } else {
-                Material::Fixed(bsdf)
-            }
+            if everywhere.varies() { Material::Varying(kind.clone()) } else { Material::Fixed(bsdf) }
         };
         let materials = materials.map(material).collect();
         Self { textures, materials, surfaces: Vec::new(), scale: scale as f32 }
@@ -89,7 +85,7 @@ impl Details {
     pub fn models(&self, material: usize) -> Vec<Bsdf> {
         match &self.materials[material] {
             Material::Fixed(bsdf) => vec![*bsdf],
-            Material::Varying { kind, .. } => [Everywhere::new(&self.textures), Everywhere::lower(&self.textures)]
+            Material::Varying(kind) => [Everywhere::new(&self.textures), Everywhere::lower(&self.textures)]
                 .map(|l| material::bsdf(kind, &l))
                 .into(),
             Material::Blend { a, b, .. } => [self.models(*a), self.models(*b)].concat(),
@@ -116,7 +112,7 @@ impl Details {
     fn material_follows_uv(&self, material: usize) -> bool {
         match &self.materials[material] {
             Material::Fixed(_) => false,
-            Material::Varying { kind, .. } => {
+            Material::Varying(kind) => {
                 let everywhere = Everywhere::new(&self.textures);
                 material::bsdf(kind, &everywhere);
                 everywhere.asked().iter().any(|&i| self.textures[i].needs_uv())
@@ -132,7 +128,7 @@ impl Details {
     fn wants_tangents(&self, material: usize) -> bool {
         match &self.materials[material] {
             Material::Fixed(_) => false,
-            Material::Varying { kind, .. } => {
+            Material::Varying(kind) => {
                 let everywhere = Everywhere::new(&self.textures);
                 material::bsdf(kind, &everywhere);
                 everywhere.wants_tangents()
@@ -175,13 +171,12 @@ impl Details {
         loop {
             match &self.materials[material] {
                 Material::Fixed(bsdf) => return Some(*bsdf),
-                Material::Varying { kind, coat } => {
+                Material::Varying(kind) => {
                     let tangent = tangents.as_ref().map_or([1.0, 0.0], |t| turn(at.ns, t.du));
-                    let lookup = AtPoint { textures: &self.textures, at, tangent, coat: *coat };
-                    return Some(material::bsdf(kind, &lookup));
+                    return Some(material::bsdf(kind, &AtPoint { textures: &self.textures, at, tangent }));
                 }
                 Material::Blend { a, b, amount } => {
-                    let lookup = AtPoint { textures: &self.textures, at, tangent: [1.0, 0.0], coat: None };
+                    let lookup = AtPoint { textures: &self.textures, at, tangent: [1.0, 0.0] };
                     material = if f64::from(coins.flip()) < lookup.scalar(amount) { *b } else { *a };
                 }
             }

@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 
 use super::desc::{Color, EmpiricalModel, Facets, FresnelDesc, MaterialKind, Param, is_black};
-use crate::bsdf::{Bsdf, Distribution, Empirical, Masking, Plastic, PlasticCoat, Reflectance, Shape};
+use crate::bsdf::{Bsdf, Distribution, Empirical, Masking, Plastic, Reflectance, Shape};
 use crate::geometry::SurfacePoint;
 use crate::math::{DVec3, Rgb};
 use crate::texture::{Texture, mean};
@@ -19,21 +19,6 @@ pub(super) trait Lookup {
     /// Cosine and sine of the angle by which the surface's tangent is turned from the x axis of
     /// `Frame::from_normal(ns)`: for anisotropic models. Whoever asks is resolved point by point.
     fn tangent(&self) -> [f32; 2];
-
-    /// A plastic's coat of an index and a roughness.
-    fn coat(&self, ior: f64, roughness: &Param<f64>) -> PlasticCoat {
-        PlasticCoat::new(ior as f32, self.scalar(roughness) as f32)
-    }
-}
-
-/// The coat of a material that is a plastic whose coat is the same everywhere.
-pub(super) fn fixed_coat(kind: &MaterialKind) -> Option<PlasticCoat> {
-    match *kind {
-        MaterialKind::Plastic { ior, roughness: Param::Value(alpha), .. } => {
-            Some(PlasticCoat::new(ior as f32, alpha as f32))
-        }
-        _ => None,
-    }
 }
 
 /// Looks up parameters that are the same everywhere, and takes note when one is not; a texture's stand-in is its upper
@@ -105,8 +90,6 @@ pub(super) struct AtPoint<'a> {
     pub at: &'a SurfacePoint,
     /// As `Lookup::tangent`.
     pub tangent: [f32; 2],
-    /// `fixed_coat` of the material: what it costs is not paid point by point.
-    pub coat: Option<PlasticCoat>,
 }
 
 impl Lookup for AtPoint<'_> {
@@ -126,10 +109,6 @@ impl Lookup for AtPoint<'_> {
 
     fn tangent(&self) -> [f32; 2] {
         self.tangent
-    }
-
-    fn coat(&self, ior: f64, roughness: &Param<f64>) -> PlasticCoat {
-        self.coat.unwrap_or_else(|| PlasticCoat::new(ior as f32, self.scalar(roughness) as f32))
     }
 }
 
@@ -173,8 +152,8 @@ pub(super) fn bsdf(kind: &MaterialKind, lookup: &impl Lookup) -> Bsdf {
             aligned(bsdf, roughness, lookup)
         }
         MaterialKind::Plastic { albedo, ior, roughness, nonlinear, two_sided } => {
-            let (albedo, coat) = (rgb(lookup.color(albedo)), lookup.coat(*ior, roughness));
-            Bsdf::Plastic(Plastic::new(albedo, coat, *nonlinear, *two_sided))
+            let (albedo, alpha) = (rgb(lookup.color(albedo)), lookup.scalar(roughness) as f32);
+            Bsdf::Plastic(Plastic::new(albedo, *ior as f32, alpha, *nonlinear, *two_sided))
         }
         MaterialKind::ThinDielectric { ior } => Bsdf::ThinDielectric { ior: *ior as f32 },
         MaterialKind::Empirical { albedo, model, two_sided } => {
@@ -214,39 +193,4 @@ fn aligned(mut bsdf: Bsdf, roughness: &[Param<f64>; 2], lookup: &impl Lookup) ->
         }
     }
     bsdf
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::{PointWithError, Vec3};
-
-    fn plastic(roughness: Param<f64>) -> MaterialKind {
-        let albedo = Param::Texture(0);
-        MaterialKind::Plastic { albedo, ior: 1.5, roughness, nonlinear: false, two_sided: false }
-    }
-
-    /// A coat that is the same everywhere is found once: at a point the material is given that one, whatever it is.
-    #[test]
-    fn a_plastic_with_a_textured_base_keeps_its_coat() {
-        let textures = [Texture::Constant(Rgb::splat(0.3)), Texture::Constant(Rgb::splat(0.2))];
-        let point = PointWithError { p: Vec3::ZERO, error: Vec3::ZERO };
-        let at = SurfacePoint { point, ng: Vec3::Z, ns: Vec3::Z, surface: 0, primitive: 0, uv: [0.0; 2] };
-        let with = |kind: &MaterialKind, coat| {
-            bsdf(kind, &AtPoint { textures: &textures, at: &at, tangent: [1.0, 0.0], coat })
-        };
-        for alpha in [0.0, 0.2] {
-            let kind = plastic(Param::Value(alpha));
-            let coat = fixed_coat(&kind);
-            assert_eq!(coat, Some(PlasticCoat::new(1.5, alpha as f32)));
-            assert_eq!(with(&kind, coat), with(&kind, None));
-            let other = PlasticCoat::new(1.7, 0.4);
-            let used = with(&kind, Some(other));
-            assert_eq!(used, Bsdf::Plastic(Plastic::new(Rgb::splat(0.3), other, false, false)));
-        }
-        assert_eq!(fixed_coat(&plastic(Param::Texture(1))), None);
-        let varying = PlasticCoat::new(1.5, mean(Rgb::splat(0.2)));
-        let used = with(&plastic(Param::Texture(1)), None);
-        assert_eq!(used, Bsdf::Plastic(Plastic::new(Rgb::splat(0.3), varying, false, false)));
-    }
 }

@@ -1,7 +1,7 @@
 //! The ends of every range: sample numbers, roughness, angles, indices.
 
 use super::{LAST, conductor, direction, empirical, flat, models, plastic, point, turned};
-use crate::bsdf::{Bsdf, Distribution, Masking, Plastic, PlasticCoat, Reflectance, Shape, Transport};
+use crate::bsdf::{Bsdf, Distribution, Masking, Plastic, Reflectance, Shape, Transport};
 use crate::math::{Rgb, Vec3};
 
 fn extreme() -> Vec<(&'static str, Bsdf)> {
@@ -30,8 +30,8 @@ fn extreme() -> Vec<(&'static str, Bsdf)> {
         ("ior 1000", Bsdf::dielectric(1000.0, Rgb::ONE, [0.5; 2])),
         ("ior 1/1000", Bsdf::dielectric(1e-3, Rgb::ONE, [0.5; 2])),
         ("plastic 1e-4", plastic(Rgb::ONE, 1e-4, true)),
-        ("plastic of ior 1", Bsdf::Plastic(Plastic::new(Rgb::ONE, PlasticCoat::new(1.0, 0.5), true, true))),
-        ("plastic of ior 1000", Bsdf::Plastic(Plastic::new(Rgb::ONE, PlasticCoat::new(1000.0, 0.5), false, true))),
+        ("plastic of ior 1", Bsdf::Plastic(Plastic::new(Rgb::ONE, 1.0, 0.5, true, true))),
+        ("plastic of ior 1000", Bsdf::Plastic(Plastic::new(Rgb::ONE, 1000.0, 0.5, false, true))),
         ("black smooth plastic", plastic(Rgb::ZERO, 0.0, false)),
         ("pane of ior 1", Bsdf::ThinDielectric { ior: 1.0 }),
         ("phong 1e6", empirical(Shape::Phong { exponent: 1e6 })),

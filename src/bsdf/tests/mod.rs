@@ -6,7 +6,7 @@ mod formulas;
 mod sampling;
 mod symmetry;
 
-use super::{Bsdf, Distribution, Empirical, Masking, Plastic, PlasticCoat, Reflectance, Shape};
+use super::{Bsdf, Distribution, Empirical, Masking, Plastic, Reflectance, Shape};
 use crate::geometry::SurfacePoint;
 use crate::math::{PointWithError, Rgb, Vec3};
 use crate::sampling::{Sampler, SamplerKind, Stream};
@@ -50,7 +50,7 @@ fn turned(alpha: [f32; 2], angle: f32) -> Bsdf {
 }
 
 fn plastic(albedo: Rgb, alpha: f32, nonlinear: bool) -> Bsdf {
-    Bsdf::Plastic(Plastic::new(albedo, PlasticCoat::new(1.5, alpha), nonlinear, true))
+    Bsdf::Plastic(Plastic::new(albedo, 1.5, alpha, nonlinear, true))
 }
 
 fn empirical(shape: Shape) -> Bsdf {
