@@ -236,7 +236,7 @@ fn glass_and_mirrors_by_path_and_bdpt() {
         "specular, path = bdpt",
         &scenes,
         [Integrator::Path, Integrator::Bdpt],
-        [1 << 13, 1 << 12],
+        [1 << 15, 1 << 12],
         fast(),
         pooled,
         760,
