@@ -38,7 +38,7 @@ pub(crate) fn camera_ray(camera: &Camera, pixel: [u32; 2], sampler: &mut Sampler
 
 /// A light and a point on it for next-event estimation at the receiver, their density with the choice of the light in it;
 /// `None` where no light shines on the receiver. `block` is the first dimension of the bounce.
-#[inline]
+#[inline(always)]
 pub(super) fn sample_light<A: Accel>(
     scene: &Scene<A>,
     receiver: &Receiver,

@@ -169,7 +169,7 @@ impl AreaLight {
 
     /// The point of a parallelogram at the fractions `u` of its edges; `None` of another shape.
     #[inline]
-    fn parallelogram_point(&self, u: [f32; 2]) -> Option<SurfacePoint> {
+    pub(super) fn parallelogram_point(&self, u: [f32; 2]) -> Option<SurfacePoint> {
         let Emitter::Parallelogram { corner, edges, normal, uv, first, .. } = &self.emitter else { return None };
         let (a, b) = (edges[0] * u[0], edges[1] * u[1]);
         // As for triangles, the bound follows the corners, not the point.

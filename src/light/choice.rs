@@ -11,6 +11,8 @@ use crate::sampling::AliasTable;
 /// they may send to the receiver, in the time of a descent of a tree over all emitters (`LightTree`).
 #[derive(Clone, Debug)]
 pub struct LightChoice {
+    /// The one light and part, where there is one.
+    only: Option<(u32, u32)>,
     power: AliasTable,
     /// The lights that have a place, by emitter: light and part. Empty trees choose nothing.
     tree: Option<LightTree>,
@@ -52,7 +54,11 @@ impl LightChoice {
             (None, _) => 1.0,
             _ => share.min(count / (count + 1.0)),
         };
-        Some(Self { power, tree, emitters, first_emitter, infinite, infinite_lights })
+        let only = match (emitters.as_slice(), &infinite_lights) {
+            (&[only], None) => Some(only),
+            _ => None,
+        };
+        Some(Self { only, power, tree, emitters, first_emitter, infinite, infinite_lights })
     }
 
     /// Chooses a light to start a light subpath from.
@@ -69,8 +75,17 @@ impl LightChoice {
     }
 
     /// Chooses a light, and a part of it, for next-event estimation; `None` where none shines on the receiver.
-    #[inline]
+    #[inline(always)]
     pub fn sample_direct(&self, receiver: &Receiver, u: f64) -> Option<(u32, u32, Pmf)> {
+        // A scene of one lamp pays for no choice.
+        if let Some((light, part)) = self.only {
+            return Some((light, part, Pmf(1.0)));
+        }
+        self.sample_among(receiver, u)
+    }
+
+    #[inline(never)]
+    fn sample_among(&self, receiver: &Receiver, u: f64) -> Option<(u32, u32, Pmf)> {
         let mut u = u;
         if let Some((lights, table)) = &self.infinite_lights {
             if u < self.infinite {
@@ -88,6 +103,14 @@ impl LightChoice {
     /// The probability of `sample_direct` choosing a part of a light.
     #[inline]
     pub fn pmf_direct(&self, receiver: &Receiver, light: u32, part: u32) -> Pmf {
+        if self.only.is_some() {
+            return Pmf(1.0);
+        }
+        self.pmf_among(receiver, light, part)
+    }
+
+    #[inline(never)]
+    fn pmf_among(&self, receiver: &Receiver, light: u32, part: u32) -> Pmf {
         if let Some((lights, table)) = &self.infinite_lights {
             if let Some(i) = lights.iter().position(|l| *l == light) {
                 return Pmf((self.infinite * f64::from(table.pmf(i).0)) as f32);

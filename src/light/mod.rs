@@ -207,7 +207,7 @@ impl Light {
     }
 
     /// A point on part `part` of the light for next-event estimation at `from`, with its density given the part.
-    #[inline]
+    #[inline(always)]
     pub fn sample_direct(
         &self,
         geometry: &Geometry,

@@ -72,7 +72,7 @@ impl AreaLight {
 
     /// A point of part `part` for next-event estimation at `from`, with its density per area given the part; `None` where
     /// the receiver sees the surface edge-on.
-    #[inline]
+    #[inline(always)]
     pub fn sample_direct(
         &self,
         geometry: &Geometry,
@@ -80,6 +80,18 @@ impl AreaLight {
         part: u32,
         u: [f32; 2],
     ) -> Option<(SurfacePoint, AreaPdf)> {
+        if let Emitter::Parallelogram { corner, edges, .. } = &self.emitter {
+            // The everyday lamp, at an everyday distance.
+            if !is_near(from, *corner + 0.5 * (edges[0] + edges[1]), self.area) {
+                return Some((self.parallelogram_point(u)?, AreaPdf(1.0 / self.area)));
+            }
+        }
+        self.sample_seen(geometry, from, part, u)
+    }
+
+    /// `sample_direct` for what is near, or is no parallelogram.
+    #[inline(never)]
+    fn sample_seen(&self, geometry: &Geometry, from: Vec3, part: u32, u: [f32; 2]) -> Option<(SurfacePoint, AreaPdf)> {
         let (at, solid_angle) = match &self.emitter {
             Emitter::Parallelogram { .. } => {
                 let Some(rectangle) = self.rectangle_from(from) else {
