@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use crate::geometry::{Geometry, QuadricKind, SurfacePoint, triangle_area};
 use crate::math::{DVec3, Frame, PointWithError, Rgb, Vec2, Vec3, gamma};
 use crate::pdf::{AreaPdf, SolidAnglePdf};
+use crate::planted::{Bug, planted};
 use crate::sampling::{AliasTable, ONE_MINUS_EPSILON, warp};
 use crate::texture::Texture;
 
@@ -185,7 +186,10 @@ impl AreaLight {
         u_point: [f32; 2],
         u_dir: [f32; 2],
     ) -> Option<EmissionSample> {
-        let (at, pdf_position) = self.sample_point(geometry, u_part, u_point)?;
+        let (mut at, pdf_position) = self.sample_point(geometry, u_part, u_point)?;
+        if planted(Bug::FixedLightNormal) {
+            (at.ng, at.ns) = (Vec3::NEG_Y, Vec3::NEG_Y);
+        }
         let mut u_dir = u_dir;
         let mut side = 1.0;
         if self.two_sided {
@@ -217,7 +221,7 @@ impl AreaLight {
     #[inline]
     pub fn emitted(&self, at: &SurfacePoint, w: Vec3) -> Rgb {
         match &self.texture {
-            _ if !self.two_sided && w.dot(at.ng) <= 0.0 => Rgb::ZERO,
+            _ if !self.two_sided && w.dot(at.ng) <= 0.0 && !planted(Bug::EmissionOnBothSides) => Rgb::ZERO,
             None => self.radiance,
             Some(texture) => texture.color(at),
         }
@@ -226,7 +230,7 @@ impl AreaLight {
     /// Density of the direction of `sample_emission`: `cosθ/π` on the emitting side, half of it on each of two.
     #[inline]
     pub fn pdf_direction(&self, at: &SurfacePoint, w: Vec3) -> SolidAnglePdf {
-        let cos = w.dot(at.ng);
+        let cos = if planted(Bug::UniformEmission) { 0.5 } else { w.dot(at.ng) };
         SolidAnglePdf(warp::cosine_hemisphere_pdf(if self.two_sided { 0.5 * cos.abs() } else { cos }))
     }
 

@@ -3,6 +3,7 @@
 use super::Light;
 use crate::math::{Vec3, luminance};
 use crate::pdf::Pmf;
+use crate::planted::{Bug, planted};
 use crate::sampling::AliasTable;
 
 /// Chooses lights in proportion to their power, in constant time.
@@ -22,13 +23,20 @@ impl LightChoice {
     #[inline]
     pub fn sample_emission(&self, u: f64) -> (u32, Pmf) {
         let (i, pmf) = self.table.sample(u);
-        (i as u32, pmf)
+        (i as u32, self.counted(pmf))
     }
 
     /// The probability of `sample_emission` choosing a light.
     #[inline]
     pub fn pmf_emission(&self, light: u32) -> Pmf {
-        self.table.pmf(light as usize)
+        self.counted(self.table.pmf(light as usize))
+    }
+
+    /// The probability itself, unless by a planted bug.
+    #[inline(always)]
+    fn counted(&self, pmf: Pmf) -> Pmf {
+        let n = self.table.len() as f32;
+        if planted(Bug::LightChoiceOfOneMore) { Pmf(pmf.0 * (n / (n + 1.0))) } else { pmf }
     }
 
     /// Chooses a light for next-event estimation at `from`.

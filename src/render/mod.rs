@@ -18,6 +18,7 @@ use crate::film::{Accumulator, Image, Quanta};
 use crate::integrator::{Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
 use crate::light::Light;
 use crate::math::Rgb;
+use crate::planted::{Bug, planted};
 use crate::scene::Scene;
 
 /// What to render.
@@ -279,8 +280,10 @@ impl<'a, A: Accel> Run<'a, A> {
                 } else {
                     samples.for_each(|sample| integrator.sample_splats(sample, recorder));
                 }
+                let share = || crop.pixels() as f32 / self.region.pixels() as f32;
+                let count = if planted(Bug::SplatCountOfCrop) { share() } else { 1.0 };
                 for splat in recorder.splats() {
-                    self.film.add(splat.pixel as usize, self.film.quantize(splat.value));
+                    self.film.add(splat.pixel as usize, self.film.quantize(splat.value / count));
                     if let Some(spread) = &self.spread {
                         spread.squares.add(splat.pixel as usize, spread.square(splat.value));
                     }

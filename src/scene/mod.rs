@@ -19,6 +19,7 @@ use crate::camera::Camera;
 use crate::geometry::{Geometry, SurfacePoint};
 use crate::light::{Light, LightChoice};
 use crate::math::Ray;
+use crate::planted::{Bug, planted};
 use crate::sampling::Coins;
 
 /// What a surface is made of.
@@ -121,7 +122,7 @@ impl<A: Accel> Scene<A> {
                 surface.bsdf = bsdf;
             }
             if self.needs.windows && surface.bsdf == Bsdf::Null {
-                through_window = true;
+                through_window = !planted(Bug::WindowsConnect);
                 ray = Ray::new(at.origin(ray.d), ray.d);
                 continue;
             }
