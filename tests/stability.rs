@@ -254,3 +254,23 @@ fn nothing_shines_through_what_lies_close_before_its_end() {
         }
     }
 }
+
+/// A light shines on the side that its normal is on: what is behind it, and the light itself from there, is black.
+#[test]
+fn the_back_of_a_light_is_dark() {
+    let file = |up: f64| {
+        json!({
+            "camera": {"transform": {"from": [0, 0.4, 2.5], "at": [0, 0.5, 0]}, "vfov": 50, "resolution": [8, 8]},
+            "surfaces": [
+                {"type": "quad", "size": 4, "transform": {"rotate": [-90, 1, 0, 0]},
+                 "material": {"type": "lambertian", "albedo": 0.8}},
+                {"type": "quad", "size": 1, "transform": [{"rotate": [-90.0 * up, 1, 0, 0]}, {"translate": [0, 1, 0]}],
+                 "material": {"type": "lambertian", "albedo": 0.5, "emit": 5}}]
+        })
+    };
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        let mean = |up: f64| render_once(&scene(&file(up)), settings(integrator, 3), 16, None).image.mean();
+        assert!(mean(-1.0).iter().all(|m| *m > 0.1), "{integrator:?}: nothing shines at all");
+        assert_eq!(mean(1.0), [0.0; 3], "{integrator:?}: the back shines");
+    }
+}
