@@ -1,7 +1,7 @@
 //! Twinlight: bidirectional path tracing with multiple importance sampling on the CPU.
 //!
 //! `ARCHITECTURE.md` is the map. A module imports only from those listed before it:
-//! math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → cli.
+//! planted → math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → cli.
 
 #[allow(unsafe_code)] // The one place that talks to Embree; every block there says why it is sound.
 pub mod accel;
@@ -18,6 +18,7 @@ pub mod light;
 pub mod math;
 pub mod output;
 pub mod pdf;
+pub mod planted;
 pub mod render;
 pub mod sampling;
 pub mod scene;

@@ -218,3 +218,59 @@ fn a_crop_has_the_full_images_bits() {
         }
     }
 }
+
+/// What lies just before a light, or just before the camera, hides it from every technique: a segment is tested up to its
+/// end, not up to 1 − ε.
+#[test]
+fn nothing_shines_through_what_lies_close_before_its_end() {
+    let quad = |size: f64, y: f64, material: Value| {
+        json!({"type": "quad", "size": size, "material": material,
+        "transform": [{"rotate": [90, 1, 0, 0]}, {"translate": [0, y, 0]}]})
+    };
+    let sheet = || json!({"type": "lambertian", "albedo": 0, "two_sided": true});
+    let file = |covers: Vec<Value>| {
+        let floor = json!({"type": "quad", "size": 4, "transform": {"rotate": [-90, 1, 0, 0]},
+                           "material": {"type": "lambertian", "albedo": 0.8}});
+        let lamp = quad(0.5, 1.0, json!({"type": "lambertian", "albedo": 0, "emit": 5}));
+        json!({
+            "camera": {"transform": {"from": [0.0, 1.0, 1.8], "at": [0, 0, 0]}, "vfov": 20, "resolution": [4, 4]},
+            "surfaces": ([vec![floor, lamp], covers].concat()),
+            "lights": [{"type": "point", "position": [0.1, 1.0, 0.6], "intensity": 1}]
+        })
+    };
+    let mean = |file: &Value, settings: Settings| {
+        render_once(&scene(file), settings, 64, None).image.mean().iter().sum::<f64>()
+    };
+    // From the floor these gaps are the last few ten thousandths of a segment to the lights, or to the camera.
+    let lights = quad(3.0, 0.9998, sheet());
+    let camera = json!({"type": "quad", "size": 1e-3, "material": sheet(),
+                        "transform": [{"from": [0, 0, 0], "at": [0.0, 1.0, 1.8]}, {"translate": [0.0, 0.9999, 1.79982]}]});
+    for (what, cover) in [("lights", lights), ("camera", camera)] {
+        for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+            let settings = settings(integrator, 3);
+            assert!(mean(&file(vec![]), settings) > 0.1, "{integrator:?}: nothing to hide");
+            let seen = mean(&file(vec![cover.clone()]), settings);
+            assert!(seen == 0.0, "{integrator:?}: {seen} comes through a sheet before the {what}");
+        }
+    }
+}
+
+/// A light shines on the side that its normal is on: what is behind it, and the light itself from there, is black.
+#[test]
+fn the_back_of_a_light_is_dark() {
+    let file = |up: f64| {
+        json!({
+            "camera": {"transform": {"from": [0, 0.4, 2.5], "at": [0, 0.5, 0]}, "vfov": 50, "resolution": [8, 8]},
+            "surfaces": [
+                {"type": "quad", "size": 4, "transform": {"rotate": [-90, 1, 0, 0]},
+                 "material": {"type": "lambertian", "albedo": 0.8}},
+                {"type": "quad", "size": 1, "transform": [{"rotate": [-90.0 * up, 1, 0, 0]}, {"translate": [0, 1, 0]}],
+                 "material": {"type": "lambertian", "albedo": 0.5, "emit": 5}}]
+        })
+    };
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        let mean = |up: f64| render_once(&scene(&file(up)), settings(integrator, 3), 16, None).image.mean();
+        assert!(mean(-1.0).iter().all(|m| *m > 0.1), "{integrator:?}: nothing shines at all");
+        assert_eq!(mean(1.0), [0.0; 3], "{integrator:?}: the back shines");
+    }
+}

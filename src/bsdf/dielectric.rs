@@ -5,6 +5,7 @@ use super::{BsdfSample, Transport, adjoint_factor, radiance_scale};
 use crate::geometry::SurfacePoint;
 use crate::math::{Rgb, Vec3};
 use crate::pdf::SolidAnglePdf;
+use crate::planted::{Bug, planted};
 
 /// The reflection of `wo` about the unit normal `n`.
 #[inline]
@@ -104,7 +105,7 @@ pub(super) fn sample(
         pdf_fwd: SolidAnglePdf(pdf),
         // The lobe maps dωo onto dωi with η_o² cosθo dωo = η_i² cosθi dωi, so that a density of wo per dωo is one
         // of wi per dωi times dωi/dωo = cosθo / (η² cosθi).
-        pdf_rev: SolidAnglePdf(pdf * cos_o / (eta * eta * cos_t)),
+        pdf_rev: SolidAnglePdf(if planted(Bug::NoSolidAngleRatio) { pdf } else { pdf * cos_o / (eta * eta * cos_t) }),
         delta: true,
         eta_scale: scale,
     })

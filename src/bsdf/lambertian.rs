@@ -6,6 +6,7 @@ use super::{BsdfSample, BsdfValue, Transport, adjoint_factor};
 use crate::geometry::SurfacePoint;
 use crate::math::{Frame, Rgb, Vec3};
 use crate::pdf::SolidAnglePdf;
+use crate::planted::{Bug, planted};
 use crate::sampling::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 
 /// The shading normal on the side `wo` is on, or `None` when nothing is reflected there.
@@ -61,8 +62,9 @@ pub(super) fn eval(
     if !(cos > 0.0 && same_side) {
         return None;
     }
+    let again = if planted(Bug::CosineTwice) { cos } else { 1.0 };
     Some(BsdfValue {
-        f: albedo * (FRAC_1_PI * cos * adjoint_factor(at, wo, wi, transport)),
+        f: albedo * (FRAC_1_PI * cos * again * adjoint_factor(at, wo, wi, transport)),
         pdf_fwd: SolidAnglePdf(cosine_hemisphere_pdf(cos)),
         pdf_rev: SolidAnglePdf(cosine_hemisphere_pdf(wo.dot(n))),
     })

@@ -31,6 +31,7 @@ pub use rough_dielectric::RoughDielectric;
 use crate::geometry::SurfacePoint;
 use crate::math::{Rgb, Vec3};
 use crate::pdf::SolidAnglePdf;
+use crate::planted::{Bug, planted};
 
 /// What a subpath carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -272,7 +273,7 @@ impl Bsdf {
 /// `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` [Veach97 (5.19)]. 1 for flat surfaces and for radiance.
 #[inline]
 pub fn adjoint_factor(at: &SurfacePoint, wo: Vec3, wi: Vec3, transport: Transport) -> f32 {
-    if transport == Transport::Radiance || at.is_flat() {
+    if transport == Transport::Radiance || at.is_flat() || planted(Bug::NoAdjointFactor) {
         return 1.0;
     }
     let numerator = wo.dot(at.ns).abs() * wi.dot(at.ng).abs();
@@ -285,6 +286,8 @@ pub fn adjoint_factor(at: &SurfacePoint, wo: Vec3, wi: Vec3, transport: Transpor
 #[inline]
 pub fn radiance_scale(eta: f32, transport: Transport) -> f32 {
     match transport {
+        Transport::Radiance if planted(Bug::NoRadianceScale) => 1.0,
+        Transport::Importance if planted(Bug::ImportanceScaled) => 1.0 / (eta * eta),
         Transport::Radiance => 1.0 / (eta * eta),
         Transport::Importance => 1.0,
     }

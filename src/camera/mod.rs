@@ -14,6 +14,7 @@ pub use filter::Filter;
 
 use crate::math::{DAffine3, DVec3, Ray, Vec3, distance_squared};
 use crate::pdf::EdgePdf;
+use crate::planted::{Bug, planted};
 use crate::sampling::warp::concentric_disk;
 
 /// A camera in render space.
@@ -277,10 +278,15 @@ impl Camera {
         };
         let column = (0.5 + 0.5 * x / self.half_width) * self.width as f32;
         let row = (0.5 - 0.5 * y / self.half_height) * self.height as f32;
+        let row = if planted(Bug::OneRowLow) { row + 1.0 } else { row };
         let (pixel, coverage) = match self.filter {
             // Compared before the cast: a cast alone would fold −0.5 into pixel 0.
             Filter::Pixel => {
-                if !(column >= 0.0 && column < self.width as f32 && row >= 0.0 && row < self.height as f32) {
+                let inside = |x: f32, n: u32| match planted(Bug::TruncatedSplat) {
+                    false => x >= 0.0 && x < n as f32,
+                    true => (0..n as i32).contains(&(x as i32)),
+                };
+                if !(inside(column, self.width) && inside(row, self.height)) {
                     return None;
                 }
                 ([column as u32, row as u32], 1.0)
@@ -288,7 +294,7 @@ impl Camera {
             filter => {
                 let (column, across) = filter.choose(f64::from(column), self.width, numbers.pixel[0])?;
                 let (row, down) = filter.choose(f64::from(row), self.height, numbers.pixel[1])?;
-                ([column, row], across * down)
+                ([column, row], if planted(Bug::NoCoverage) { 1.0 } else { across * down })
             }
         };
         if let Projection::Orthographic = self.projection {

@@ -6,6 +6,7 @@ use crate::bsdf::Transport;
 use crate::camera::{Camera, LensNumbers};
 use crate::light::LightPoint;
 use crate::math::Ray;
+use crate::planted::{Bug, planted};
 use crate::sampling::{Sampler, Stream};
 use crate::scene::Scene;
 
@@ -90,7 +91,7 @@ fn trace<A: Accel>(
     let mut ray = Ray::new(start.origin, start.w);
     // Light vertices including the one being arrived at; s − 1 of them scatter when the camera is connected.
     let mut s = 2;
-    while s - 1 <= settings.max_bounces {
+    while s - 1 + u32::from(planted(Bug::DepthOfLight)) <= settings.max_bounces {
         let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light) else { return };
         if settings.class.ends_light_subpath(light, s, arrival.through_window) {
             return;

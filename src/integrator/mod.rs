@@ -13,6 +13,7 @@ pub use roulette::Roulette;
 
 use crate::accel::Accel;
 use crate::math::Rgb;
+use crate::planted::{Bug, planted};
 use crate::sampling::SamplerKind;
 use crate::scene::Scene;
 use crate::scene::desc::Heuristic;
@@ -169,13 +170,15 @@ pub struct SampleLoop<'a, A> {
 
 impl<'a, A: Accel> SampleLoop<'a, A> {
     /// For samples of a scene's image. Light paths are counted over the full image, whatever is cropped out of it.
-    pub fn new(scene: &'a Scene<A>, settings: Settings) -> Self {
+    pub fn new(scene: &'a Scene<A>, mut settings: Settings) -> Self {
+        settings.max_bounces += u32::from(planted(Bug::DepthOfAll));
         let per_sample = match settings.integrator {
             Integrator::Path => 0,
             Integrator::Light => settings.light_paths.max(1),
             Integrator::Bdpt => settings.light_paths,
         };
         let pixels = Crop::full(scene.camera.resolution()).pixels();
+        let per_sample = if planted(Bug::SplatCount) { per_sample.min(1) } else { per_sample };
         let light_paths_per_pass = f64::from(per_sample) * pixels as f64;
         Self { scene, settings, bdpt: bdpt::Bdpt::new(scene, settings, light_paths_per_pass), light_paths_per_pass }
     }

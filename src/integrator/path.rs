@@ -6,6 +6,7 @@ use crate::bsdf::Transport;
 use crate::camera::{Camera, CameraRay};
 use crate::light::{DirectSample, LightEdge, LightPoint, Receiver};
 use crate::math::{Ray, Rgb};
+use crate::planted::{Bug, planted};
 use crate::sampling::{Sampler, Stream};
 use crate::scene::desc::Heuristic;
 use crate::scene::{Reached, Scene};
@@ -111,7 +112,11 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
             let w = match pdf_last {
                 Some(p) if !through_window => {
                     let Some(edge) = point.edge_from(receiver.p) else { return };
-                    let q = scene.pdf_direct(&receiver, id, &point).0;
+                    let q = if planted(Bug::NoLightChoiceAtHitsOfPath) {
+                        light.pdf_direct(&scene.geometry, receiver.p, &point).0
+                    } else {
+                        scene.pdf_direct(&receiver, id, &point).0
+                    };
                     // Densities at the light, both times d².
                     weight(settings, p * edge.cos, q * edge.d2)
                 }
@@ -139,7 +144,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
             hit(id, LightPoint::Surface(*at), arrival.through_window);
         }
         let bounces = t - 1;
-        if bounces > settings.max_bounces || !arrival.surface.bsdf.scatters() {
+        if bounces > settings.max_bounces + u32::from(planted(Bug::DepthOfPath)) || !arrival.surface.bsdf.scatters() {
             return;
         }
         let bsdf = &arrival.surface.bsdf;

@@ -1,6 +1,7 @@
 //! Russian roulette.
 
 use crate::math::Rgb;
+use crate::planted::{Bug, planted};
 
 /// Ends subpaths at random so that the survivors' throughput keeps the size it started with.
 ///
@@ -47,8 +48,38 @@ impl Roulette {
         let q = beta.max_element() * self.reference;
         // Written so that a NaN survives: the gate before the film has to see it.
         if q >= 1.0 || q.is_nan() {
-            return Some(1.0);
+            return Some(if planted(Bug::RouletteAboveOne) { q } else { 1.0 });
         }
-        (u() < q).then_some(q)
+        (u() < q).then_some(if planted(Bug::RouletteUncompensated) { 1.0 } else { q })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// P(survival) × 1/(what is divided by) is 1, whatever the throughput: also where it has grown, as by the adjoint
+    /// factor of shading normals, and survival is certain.
+    #[test]
+    fn survivors_make_up_for_the_others() {
+        let n = 1000;
+        for (start, beta) in [(1.0, 0.1), (1.0, 0.5), (1.0, 1.0), (1.0, 3.0), (4.0, 1.0), (0.25, 1.0)] {
+            let sum: f64 = (0..n)
+                .filter_map(|i| {
+                    let u = (i as f32 + 0.5) / n as f32;
+                    Roulette::new(true, Rgb::splat(start), 0).survive(Rgb::splat(beta), 1.0, || u)
+                })
+                .map(|q| 1.0 / f64::from(q))
+                .sum();
+            assert!((sum / f64::from(n) - 1.0).abs() < 1e-6, "from {start} to {beta}: {}", sum / f64::from(n));
+        }
+    }
+
+    /// What refraction does to radiance decides nothing.
+    #[test]
+    fn the_change_of_medium_is_left_out() {
+        let mut roulette = Roulette::new(true, Rgb::ONE, 0);
+        let q = roulette.survive(Rgb::splat(0.5 * 0.4), 0.4, || 0.0);
+        assert!(q.is_some_and(|q| (q - 0.5).abs() < 1e-6), "{q:?}");
     }
 }

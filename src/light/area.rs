@@ -8,6 +8,7 @@ use std::ops::Range;
 use crate::geometry::{Geometry, Quadric, QuadricKind, SurfacePoint, triangle_area};
 use crate::math::{DMat3, DVec3, Frame, PointWithError, Rgb, Vec2, Vec3, gamma};
 use crate::pdf::{AreaPdf, SolidAnglePdf};
+use crate::planted::{Bug, planted};
 use crate::sampling::{AliasTable, ONE_MINUS_EPSILON, warp};
 use crate::texture::Texture;
 
@@ -204,7 +205,10 @@ impl AreaLight {
         u_point: [f32; 2],
         u_dir: [f32; 2],
     ) -> Option<EmissionSample> {
-        let (at, pdf_position) = self.sample_point(geometry, u_part, u_point)?;
+        let (mut at, pdf_position) = self.sample_point(geometry, u_part, u_point)?;
+        if planted(Bug::FixedLightNormal) {
+            (at.ng, at.ns) = (Vec3::NEG_Y, Vec3::NEG_Y);
+        }
         let mut u_dir = u_dir;
         let mut side = 1.0;
         if self.two_sided {
@@ -236,7 +240,7 @@ impl AreaLight {
     #[inline]
     pub fn emitted(&self, at: &SurfacePoint, w: Vec3) -> Rgb {
         match &self.texture {
-            _ if !self.two_sided && w.dot(at.ng) <= 0.0 => Rgb::ZERO,
+            _ if !self.two_sided && w.dot(at.ng) <= 0.0 && !planted(Bug::EmissionOnBothSides) => Rgb::ZERO,
             None => self.radiance,
             Some(texture) => texture.color(at),
         }
@@ -245,7 +249,7 @@ impl AreaLight {
     /// Density of the direction of `sample_emission`: `cosθ/π` on the emitting side, half of it on each of two.
     #[inline]
     pub fn pdf_direction(&self, at: &SurfacePoint, w: Vec3) -> SolidAnglePdf {
-        let cos = w.dot(at.ng);
+        let cos = if planted(Bug::UniformEmission) { 0.5 } else { w.dot(at.ng) };
         SolidAnglePdf(warp::cosine_hemisphere_pdf(if self.two_sided { 0.5 * cos.abs() } else { cos }))
     }
 

@@ -5,6 +5,7 @@ use super::{Light, Receiver};
 use crate::geometry::Geometry;
 use crate::math::luminance;
 use crate::pdf::Pmf;
+use crate::planted::{Bug, planted};
 use crate::sampling::AliasTable;
 
 /// Chooses lights: for light subpaths in proportion to their power, in constant time; for next-event estimation by what
@@ -65,13 +66,20 @@ impl LightChoice {
     #[inline]
     pub fn sample_emission(&self, u: f64) -> (u32, Pmf) {
         let (i, pmf) = self.power.sample(u);
-        (i as u32, pmf)
+        (i as u32, self.counted(pmf))
     }
 
     /// The probability of `sample_emission` choosing a light.
     #[inline]
     pub fn pmf_emission(&self, light: u32) -> Pmf {
-        self.power.pmf(light as usize)
+        self.counted(self.power.pmf(light as usize))
+    }
+
+    /// The probability itself, unless by a planted bug.
+    #[inline(always)]
+    fn counted(&self, pmf: Pmf) -> Pmf {
+        let n = self.power.len() as f32;
+        if planted(Bug::LightChoiceOfOneMore) { Pmf(pmf.0 * (n / (n + 1.0))) } else { pmf }
     }
 
     /// Chooses a light, and a part of it, for next-event estimation; `None` where none shines on the receiver.
@@ -79,9 +87,9 @@ impl LightChoice {
     pub fn sample_direct(&self, receiver: &Receiver, u: f64) -> Option<(u32, u32, Pmf)> {
         // A scene of one lamp pays for no choice.
         if let Some((light, part)) = self.only {
-            return Some((light, part, Pmf(1.0)));
+            return Some((light, part, self.counted(Pmf(1.0))));
         }
-        self.sample_among(receiver, u)
+        self.sample_among(receiver, u).map(|(light, part, pmf)| (light, part, self.counted(pmf)))
     }
 
     #[inline(never)]
@@ -104,9 +112,9 @@ impl LightChoice {
     #[inline]
     pub fn pmf_direct(&self, receiver: &Receiver, light: u32, part: u32) -> Pmf {
         if self.only.is_some() {
-            return Pmf(1.0);
+            return self.counted(Pmf(1.0));
         }
-        self.pmf_among(receiver, light, part)
+        self.counted(self.pmf_among(receiver, light, part))
     }
 
     #[inline(never)]

@@ -13,6 +13,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::math::{DMat3, DVec3, Rgb, Vec3, luminance};
 use crate::pdf::LightPointPdf;
+use crate::planted::{Bug, planted};
 use crate::sampling::AliasTable;
 
 /// An equirectangular image as a light at infinity.
@@ -162,7 +163,8 @@ impl EnvironmentMap {
             return LightPointPdf::IMPOSSIBLE;
         }
         let value = luminance(Self::interpolate(self.corners(at.column, at.row), at.x, at.y));
-        LightPointPdf(f64::from(value) * self.row_sin[at.row] / (self.total * 2.0 * PI * PI * at.sin))
+        let sin = if planted(Bug::NoSineInMap) { 1.0 } else { at.sin };
+        LightPointPdf(f64::from(value) * self.row_sin[at.row] / (self.total * 2.0 * PI * PI * sin))
     }
 
     /// ∫ L dω, up to the variation of sinθ within a cell.

@@ -7,6 +7,7 @@ use std::f32::consts::PI;
 use self::angle_rim::AngleRim;
 use crate::math::{Frame, Rgb, Vec3};
 use crate::pdf::SolidAnglePdf;
+use crate::planted::{Bug, planted};
 use crate::sampling::warp::direction_from_versine;
 
 /// A delta point that shines into a cone: full intensity within the inner angle, none beyond the outer one, and what
@@ -132,7 +133,8 @@ impl SpotLight {
     /// Intensity along the unit vector `w`.
     #[inline]
     pub fn emitted(&self, w: Vec3) -> Rgb {
-        self.intensity * self.attenuation(w)
+        let cos = if planted(Bug::SpotOverCosine) { w.dot(self.axis()) } else { 1.0 };
+        self.intensity * (self.attenuation(w) / cos)
     }
 
     /// A direction with density proportional to the attenuation, so that every light path carries the same power.
@@ -161,7 +163,7 @@ impl SpotLight {
     /// Density of `sample_direction`: attenuation over its integral.
     #[inline]
     pub fn pdf_direction(&self, w: Vec3) -> SolidAnglePdf {
-        let total = self.solid_angle();
+        let total = if planted(Bug::SpotUnnormalised) { 1.0 } else { self.solid_angle() };
         if total > 0.0 { SolidAnglePdf(self.attenuation(w) / total) } else { SolidAnglePdf::IMPOSSIBLE }
     }
 }

@@ -1,6 +1,7 @@
 //! A ray segment.
 
 use super::Vec3;
+use crate::planted::{Bug, planted};
 
 /// The points `o + t·d` with `tmin ≤ t ≤ tmax`. `d` need not be normalised: `t` counts in lengths of `d`.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +26,7 @@ impl Ray {
     /// The segment from `a` to `b`, `t` running from 0 to 1. Both ends must already be offset off their surfaces.
     #[inline]
     pub fn segment(a: Vec3, b: Vec3) -> Self {
-        Self { o: a, d: b - a, tmin: 0.0, tmax: 1.0 }
+        Self { o: a, d: b - a, tmin: 0.0, tmax: if planted(Bug::ShadowEndsEarly) { 0.999 } else { 1.0 } }
     }
 
     /// The point at parameter `t`. Carries the rounding of `o + t·d`: hit points come from the primitive instead.

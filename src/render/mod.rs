@@ -17,6 +17,7 @@ use crate::accel::Accel;
 use crate::film::{Accumulator, Image, Quanta, Squares, VarianceFilm};
 use crate::integrator::{Contribution, Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
 use crate::light::Light;
+use crate::planted::{Bug, planted};
 use crate::scene::Scene;
 
 /// What to render.
@@ -288,8 +289,10 @@ impl<'a, A: Accel> Run<'a, A> {
                 } else {
                     samples.for_each(|sample| integrator.sample_splats(sample, recorder));
                 }
+                let share = || crop.pixels() as f32 / self.region.pixels() as f32;
+                let count = if planted(Bug::SplatCountOfCrop) { share() } else { 1.0 };
                 for splat in recorder.splats() {
-                    let quanta = self.film.quantize(splat.value);
+                    let quanta = self.film.quantize(splat.value / count);
                     self.film.add(splat.pixel as usize, quanta);
                     if let Some(spread) = &self.spread {
                         spread.add_splat(splat.pixel as usize, quanta);

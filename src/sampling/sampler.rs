@@ -1,6 +1,8 @@
 //! Point sets keyed by (seed, pixel or light path, sample, dimension): never by thread or time, so that any sample
 //! can be made again on its own.
 
+use crate::planted::{Bug, planted};
+
 /// Which point set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplerKind {
@@ -38,6 +40,7 @@ impl Sampler {
     pub fn new(kind: SamplerKind, seed: u64, pixel: u32, stream: Stream, index: u32) -> Self {
         let stream = match stream {
             Stream::Camera => 0,
+            Stream::Light(_) if planted(Bug::OneStream) => 0,
             Stream::Light(n) => u64::from(n) + 1,
         };
         let key = mix(mix(seed ^ 0x9e37_79b9_7f4a_7c15) ^ u64::from(pixel) ^ stream << 32);

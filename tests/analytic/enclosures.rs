@@ -8,8 +8,8 @@ use twinlight::integrator::{Integrator, Settings};
 use twinlight::math::DVec3;
 
 use crate::common::{
-    Bounds, Budget, View, assert_closed, combined, diffuse, expect_colored, images, images_by_edges, point,
-    render_once, scene, scene_json, settings, shining_diffuse, sphere,
+    Bounds, Budget, View, assert_closed, combined, diffuse, expect_colored, facing, images, images_by_edges, point,
+    quad, render_once, scene, scene_json, settings, shining_diffuse, sphere,
 };
 
 /// From beside the centre of the unit sphere, towards its far side.
@@ -141,5 +141,27 @@ fn the_integrating_sphere_is_one_within_a_fifth_of_a_percent() {
         is_one(&what, &integrating_sphere(&view), settings, samples, [2, 2], 0.002, 340 + n as u64);
         let what = format!("shining sphere with roulette, {integrator:?}");
         is_one(&what, &shining_sphere(&view), settings, samples, [2, 2], 0.002, 350 + n as u64);
+    }
+}
+
+/// A box is a furnace, too, and its walls are six lights of unequal power: E/(1 − ρ) for each way of choosing among them,
+/// as long as all techniques count it alike.
+#[test]
+fn a_furnace_of_six_lights() {
+    let view = inside([2, 2]);
+    let half = DVec3::new(0.6, 0.8, 1.0);
+    let wall = |axis: DVec3, side: f64, size: f64| {
+        // Larger than the room: walls cross at its edges.
+        quad(&facing(-axis * side * half, axis * side), [size; 2], shining_diffuse(vec![1.0, 0.5, 2.0], 0.5))
+    };
+    let walls = [(DVec3::X, 2.2), (DVec3::Y, 2.4), (DVec3::Z, 1.8)];
+    let walls = walls.iter().flat_map(|&(axis, size)| [1.0, -1.0].map(|side| wall(axis, side, size))).collect();
+    let scene = scene(&scene_json(view.json(), walls, vec![]));
+    assert_eq!(scene.lights.len(), 6);
+    for (n, (integrator, samples)) in [(Integrator::Path, 1 << 9), (Integrator::Bdpt, 1 << 8)].into_iter().enumerate() {
+        let images = images(&scene, settings(integrator, 64), Budget::new(samples, 370 + n as u64));
+        let expected = expect_colored(&[2.0; 4], [1.0, 0.5, 2.0]);
+        let what = format!("furnace of six lights, {integrator:?}");
+        assert_closed(&what, &images, &expected, Bounds::new([2, 2], 0.03, 0.01));
     }
 }

@@ -14,6 +14,7 @@ use crate::integrator::path::sample_light;
 use crate::light::{Light, LightEdge, LightPoint, Receiver};
 use crate::math::{Ray, Rgb, Vec3, distance_squared};
 use crate::pdf::Pmf;
+use crate::planted::{Bug, planted};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 
@@ -30,6 +31,12 @@ pub(super) struct EmitterHit {
     pub partial: Partial,
     /// Number of vertices of the subpath, the light's included.
     pub number: u32,
+}
+
+/// What a camera vertex shines with toward the camera: no connection's business, unless by a planted bug.
+fn emission<A: Accel>(scene: &Scene<A>, z: &Vertex) -> Rgb {
+    let light = scene.surfaces[z.at.surface as usize].light;
+    light.map_or(Rgb::ZERO, |id| z.beta * scene.lights[id as usize].emitted(&LightPoint::Surface(z.at), z.wo))
 }
 
 impl Bdpt {
@@ -72,14 +79,20 @@ impl Bdpt {
         let light = &scene.lights[id as usize];
         let emission = (light.pdf_emission_position(&scene.geometry, point) * pmf).0;
         if hit.number == 2 {
-            if light.is_infinite() {
+            if light.is_infinite() || planted(Bug::LightSeenTwice) {
                 return 0.0;
             }
             // Seen directly: the one alternative, (1,1), starts as light subpaths do.
             return self.mis.light_paths * self.mis.h(emission) * partial.direct;
         }
         // Behind a delta vertex or a window next-event estimation is no alternative, whatever its density.
-        let direct = if partial.direct > 0.0 { scene.pdf_direct(&hit.receiver, id, point).0 } else { 0.0 };
+        let direct = if planted(Bug::NoLightChoiceAtHits) {
+            light.pdf_direct(&scene.geometry, hit.receiver.p, point).0
+        } else if partial.direct > 0.0 {
+            scene.pdf_direct(&hit.receiver, id, point).0
+        } else {
+            0.0
+        };
         let direction = light.pdf_emission_direction(point, hit.wo).0;
         self.mis.next_event * self.mis.h(direct) * partial.direct
             + self.mis.h(emission) * self.mis.h(direction) * partial.earlier
@@ -119,7 +132,7 @@ impl Bdpt {
     ) -> Option<Rgb> {
         let LightEdge { wi, d2, cos: cos_light } = y.edge_from(z.at.p())?;
         let le = light.emitted(y, -wi);
-        if le == Rgb::ZERO {
+        if le == Rgb::ZERO || planted(Bug::DeltaLightUnconnected) && light.is_delta() {
             return None;
         }
         let value = z.bsdf.eval(&z.at, z.wo, wi, Transport::Radiance)?;
@@ -128,6 +141,7 @@ impl Bdpt {
         // j = 0: the camera subpath goes on and hits the light. h(1/d²) is left out throughout.
         let hit = if light.is_delta() { 0.0 } else { mis.h(f64::from(value.pdf_fwd.0) * cos_light / pdf_direct) };
         // j ≥ 2: the light subpath starts here and goes on.
+        let pmf = if planted(Bug::NoEmissionDensity) { Pmf(0.0) } else { pmf };
         let emission = (light.pdf_emission_position(&scene.geometry, y) * pmf).0;
         let direction = light.pdf_emission_direction(y, -wi).0;
         let behind = mis.behind(&z.partial, self.count_behind_camera(z.number), f64::from(value.pdf_rev.0));
@@ -139,9 +153,10 @@ impl Bdpt {
     /// s ≥ 2, t ≥ 2: camera vertex `z` with every kept vertex of the light subpaths it connects to.
     #[inline]
     pub(super) fn connect_to_subpaths<A: Accel>(&self, scene: &Scene<A>, z: &Vertex, recorder: &mut Recorder) {
+        // s + t − 2 scattering events.
+        let most = self.settings.max_bounces + 2 + u32::from(planted(Bug::DepthOfConnections));
         for y in &self.light_vertices[..self.connectible_end] {
-            // s + t − 2 scattering events.
-            if y.number + z.number > self.settings.max_bounces + 2 || !self.settings.wants(y.number, z.number) {
+            if y.number + z.number > most || !self.settings.wants(y.number, z.number) {
                 continue;
             }
             let Some(value) = self.evaluate_connection(y, z) else { continue };
@@ -149,6 +164,7 @@ impl Bdpt {
             let segment = Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()));
             let visible = scene.visibility(&segment, &mut recorder.rays.connection);
             if visible > 0.0 {
+                let value = if planted(Bug::EmissionInConnections) { value + emission(scene, z) } else { value };
                 recorder.add(y.number, z.number, value * visible);
             }
         }
@@ -173,7 +189,8 @@ impl Bdpt {
         let camera_side = mis.h(f64::from(at_y.pdf_fwd.0) * cos_z)
             * mis.behind(&z.partial, self.count_behind_camera(z.number), f64::from(at_z.pdf_rev.0));
         let others = (light_side + camera_side) / mis.connections;
-        let scale = mis.weight_over_d2(others, d2) / f64::from(self.connections);
+        let again = if planted(Bug::CosineTwiceInConnections) { cos_y * cos_z } else { 1.0 };
+        let scale = again * mis.weight_over_d2(others, d2) / f64::from(self.connections);
         Some(z.beta * at_z.f * at_y.f * y.beta * scale as f32)
     }
 
@@ -186,7 +203,7 @@ impl Bdpt {
         sampler: &mut Sampler,
         recorder: &mut Recorder,
     ) {
-        if !self.settings.wants(y.number, 1) {
+        if !self.settings.wants(y.number, 1) || planted(Bug::NoLightTracing) {
             return;
         }
         let numbers = lens_numbers(&scene.camera, sampler, y.number);

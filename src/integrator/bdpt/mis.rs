@@ -16,6 +16,7 @@
 //! and what a technique needs of the subpath that ends in i is `h(p←_i) (h(n_i) direct_i + earlier_i h(q_i))`.
 //! δ_i is 1 when both ends of the edge i−1, i can be connected to. In `g/p` the d² cancel and are never formed.
 
+use crate::planted::{Bug, planted};
 use crate::scene::desc::Heuristic;
 
 /// Sums stay below this, so that a product with a zero density is zero and not NaN.
@@ -73,13 +74,14 @@ impl Mis {
         let mut mis = Self { heuristic, weighted, next_event: 0.0, connections: 0.0, light_paths: 0.0 };
         mis.next_event = mis.h(1.0);
         mis.connections = mis.h(connections);
-        mis.light_paths = mis.h(light_paths);
+        mis.light_paths = mis.h(if planted(Bug::NoCountInWeights) { light_paths.min(1.0) } else { light_paths });
         mis
     }
 
     /// What the heuristic makes of a density, or of a product of densities and counts.
     #[inline(always)]
     pub fn h(&self, x: f64) -> f64 {
+        let x = if planted(Bug::Remap0) && x == 0.0 { 1.0 } else { x };
         match self.heuristic {
             Heuristic::Power => x * x,
             Heuristic::Balance => x,
@@ -93,14 +95,15 @@ impl Mis {
     pub fn arrive(&self, from: &Departure, d2: f64, cos: f64, connectible: bool) -> Partial {
         // p·d²: the density per area with its 1/d² left out, so that d² cancels in `earlier`.
         let p_d2 = from.pdf_fwd * cos;
+        let h = |x| if planted(Bug::BalanceRecursion) { x } else { self.h(x) };
         let earlier = if from.delta {
             // Neither of the edges at a delta vertex can be a connection: only what came before remains.
-            self.h(from.cos * from.pdf_rev / p_d2) * from.partial.earlier
+            h(from.cos * from.pdf_rev / p_d2) * from.partial.earlier
         } else {
-            let inner = from.count * from.partial.direct + from.partial.earlier * self.h(from.pdf_rev);
-            self.h(from.cos / p_d2) * saturate(inner)
+            let inner = from.count * from.partial.direct + from.partial.earlier * h(from.pdf_rev);
+            h(from.cos / p_d2) * saturate(inner)
         };
-        let direct = if from.delta || !connectible { 0.0 } else { self.h(d2 / p_d2) };
+        let direct = if from.delta || !connectible { 0.0 } else { h(d2 / p_d2) };
         Partial { direct: saturate(direct), earlier: saturate(earlier) }
     }
 
@@ -118,7 +121,7 @@ impl Mis {
     #[inline(always)]
     pub fn arrive_from_camera(&self, pdf_direction: f64, d2: f64, cos: f64, connectible: bool) -> Partial {
         let direct = if connectible { self.h(d2 / (pdf_direction * cos)) } else { 0.0 };
-        Partial { direct: saturate(direct), earlier: 0.0 }
+        Partial { direct: saturate(direct), earlier: if planted(Bug::SumsFromOne) { 1.0 } else { 0.0 } }
     }
 
     /// What the subpath that ends at a vertex adds, but for the factor `h` of the vertex's density from the other

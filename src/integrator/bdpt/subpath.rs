@@ -9,7 +9,9 @@ use crate::integrator::light::dimensions as light_dimensions;
 use crate::integrator::path::{camera_ray, dimensions as camera_dimensions};
 use crate::integrator::{Recorder, Roulette};
 use crate::light::{LightPoint, Receiver};
-use crate::math::{Ray, Rgb, distance_squared};
+use crate::math::{Ray, Rgb, Vec3, distance_squared};
+use crate::pdf::Pmf;
+use crate::planted::{Bug, planted};
 use crate::sampling::Sampler;
 use crate::scene::{Reached, Scene};
 
@@ -26,6 +28,7 @@ impl Bdpt {
         sampler.set_dimension(light_dimensions::POINT);
         let (u_point, u_direction) = (sampler.next_2d(), sampler.next_2d());
         let Some(emission) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };
+        let pmf = if planted(Bug::NoLightChoice) { Pmf(1.0) } else { pmf };
         let pdf_position = (emission.pdf_position * pmf).0;
         // A delta light has no area to be seen, an environment no place.
         if let LightPoint::Surface(at) = &emission.point {
@@ -35,7 +38,7 @@ impl Bdpt {
             return;
         }
 
-        let cos = emission.point.cos(emission.w);
+        let cos = if planted(Bug::NoCosineAtLight) { 1.0 } else { emission.point.cos(emission.w) };
         let pdf_direction = emission.pdf_direction.0;
         let mut beta = emission.le * (cos / (pdf_position * pdf_direction)) as f32;
         let mut roulette = self.settings.roulette(beta);
@@ -60,7 +63,10 @@ impl Bdpt {
                     // at a delta vertex it has none.
                     let bsdf = &arrival.surface.bsdf;
                     let direct = if bsdf.is_connectible() {
-                        let receiver = Receiver::new(&at, wo, bsdf.transmits());
+                        let mut receiver = Receiver::new(&at, wo, bsdf.transmits());
+                        if planted(Bug::OneReceiver) {
+                            receiver = Receiver::anywhere(Vec3::ZERO);
+                        }
                         scene.pdf_direct(&receiver, id, &emission.point).0
                     } else {
                         0.0

@@ -6,6 +6,7 @@ use crate::light::LightPoint;
 use crate::light::tree::EmitterBound;
 use crate::math::{DVec3, Vec3, distance_squared, gamma, luminance};
 use crate::pdf::AreaPdf;
+use crate::planted::{Bug, planted};
 use crate::sampling::{SphereCone, SphericalRectangle, SphericalTriangle, warp};
 
 use super::{AreaLight, Emitter};
@@ -127,6 +128,9 @@ impl AreaLight {
     /// Density per area with which `sample_direct` at `from` chooses the point `at` of this light, given its part.
     #[inline]
     pub fn pdf_direct(&self, geometry: &Geometry, from: Vec3, at: &SurfacePoint) -> AreaPdf {
+        if planted(Bug::DirectByArea) {
+            return self.pdf_point(geometry, at.p());
+        }
         let solid_angle = match &self.emitter {
             Emitter::Parallelogram { .. } => self.rectangle_from(from).map(|r| r.solid_angle()),
             Emitter::Triangles { .. } => match triangle_from(geometry, from, at.primitive) {
