@@ -8,6 +8,15 @@ use crate::pdf::Pmf;
 use crate::planted::{Bug, planted};
 use crate::sampling::AliasTable;
 
+/// Where the choice for next-event estimation finds a light again.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// The first of its emitters.
+    Emitters(u32),
+    /// Its index among the lights at infinity.
+    Infinite(u32),
+}
+
 /// Chooses lights: for light subpaths in proportion to their power, in constant time; for next-event estimation by what
 /// they may send to the receiver, in the time of a descent of a tree over all emitters (`LightTree`).
 #[derive(Clone, Debug)]
@@ -18,8 +27,8 @@ pub struct LightChoice {
     /// The lights that have a place, by emitter: light and part. Empty trees choose nothing.
     tree: Option<LightTree>,
     emitters: Vec<(u32, u32)>,
-    /// By light: the first of its emitters.
-    first_emitter: Vec<u32>,
+    /// By light.
+    places: Vec<Place>,
     /// Probability of choosing one of the lights at infinity, and which of them, by power.
     infinite: f64,
     infinite_lights: Option<(Vec<u32>, AliasTable)>,
@@ -30,14 +39,16 @@ impl LightChoice {
     pub fn new(lights: &[Light], geometry: &Geometry) -> Option<Self> {
         let weights: Vec<f64> = lights.iter().map(|l| f64::from(luminance(l.power()))).collect();
         let power = AliasTable::new(&weights)?;
-        let (mut emitters, mut bounds, mut first_emitter) = (Vec::new(), Vec::<EmitterBound>::new(), Vec::new());
+        let (mut emitters, mut bounds, mut places) = (Vec::new(), Vec::<EmitterBound>::new(), Vec::new());
         let (mut infinite, mut infinite_weights) = (Vec::new(), Vec::new());
         for ((id, light), weight) in (0..).zip(lights).zip(&weights) {
-            first_emitter.push(emitters.len() as u32);
             if light.is_infinite() {
+                places.push(Place::Infinite(infinite.len() as u32));
                 infinite.push(id);
                 infinite_weights.push(*weight);
+                continue;
             }
+            places.push(Place::Emitters(emitters.len() as u32));
             for part in 0..light.parts() {
                 if let Some(bound) = light.bound(geometry, part) {
                     emitters.push((id, part));
@@ -49,17 +60,18 @@ impl LightChoice {
         let share = infinite_weights.iter().sum::<f64>() / weights.iter().sum::<f64>();
         let infinite_lights = AliasTable::new(&infinite_weights).map(|table| (infinite, table));
         let tree = LightTree::new(&bounds);
-        // What enters the scene's ball from infinity says little of what arrives, indoors least: lamps keep a chance.
+        // What enters the scene's ball from infinity says little of what arrives, and nor does the power of lamps that may be
+        // shut away: both keep a chance.
         let infinite = match (&tree, &infinite_lights) {
             (_, None) => 0.0,
             (None, _) => 1.0,
-            _ => share.min(count / (count + 1.0)),
+            _ => share.clamp(0.5 * count / (count + 1.0), count / (count + 1.0)),
         };
         let only = match (emitters.as_slice(), &infinite_lights) {
             (&[only], None) => Some(only),
             _ => None,
         };
-        Some(Self { only, power, tree, emitters, first_emitter, infinite, infinite_lights })
+        Some(Self { only, power, tree, emitters, places, infinite, infinite_lights })
     }
 
     /// Chooses a light to start a light subpath from.
@@ -119,13 +131,59 @@ impl LightChoice {
 
     #[inline(never)]
     fn pmf_among(&self, receiver: &Receiver, light: u32, part: u32) -> Pmf {
-        if let Some((lights, table)) = &self.infinite_lights {
-            if let Some(i) = lights.iter().position(|l| *l == light) {
-                return Pmf((self.infinite * f64::from(table.pmf(i).0)) as f32);
+        let p = match (self.places[light as usize], &self.tree, &self.infinite_lights) {
+            (Place::Infinite(i), _, Some((_, table))) => self.infinite * f64::from(table.pmf(i as usize).0),
+            (Place::Emitters(first), Some(tree), _) => (1.0 - self.infinite) * tree.pmf(receiver, first + part),
+            // Lights whose power no f32 holds are never chosen.
+            _ => 0.0,
+        };
+        Pmf(p as f32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Rgb, Vec3};
+    use crate::scene::prepare;
+
+    /// Lights of any two kinds that send the same irradiance to a receiver have about the same chance there.
+    #[test]
+    fn kinds_of_lights_are_weighed_alike() {
+        // Each at distance 2 of the origin, in another direction, with unit irradiance across the line of sight.
+        let flat = |extra: &str| {
+            format!(r#""type": "quad", "size": 0.2, "material": {{"type": "diffuse light", "emit": 100{extra}}}"#)
+        };
+        let kinds = [
+            (flat(""), ""),
+            (flat(r#", "two_sided": true"#), ""),
+            (r#""type": "disk", "radius": 0.1128379, "material": {"type": "diffuse light", "emit": 100}"#.into(), ""),
+            (r#""type": "sphere", "radius": 0.1128379, "material": {"type": "diffuse light", "emit": 100}"#.into(), ""),
+            (r#""type": "delta point", "material": {"type": "point light", "emit": 4}"#.into(), ""),
+            (r#""type": "delta point", "material": {"type": "spot light", "emit": 4, "inner_angle": 5, "outer_angle": 8}"#.into(), "turn"),
+        ];
+        // A quad faces along z, a spot along −z.
+        let place = |x: f64, turn: &str| {
+            let about = if turn.is_empty() { "" } else { r#"{"rotate": [180, 0, 1, 0]}, "# };
+            format!(r#""transform": [{about}{{"translate": [0, 0, -2]}}, {{"rotate": [{x}, 0, 1, 0]}}]"#)
+        };
+        for (i, (a, turn_a)) in kinds.iter().enumerate() {
+            for (b, turn_b) in &kinds[i..] {
+                let json = format!(
+                    r#"{{"camera": {{}}, "surfaces": [{{{a}, {}}}, {{{b}, {}}},
+                        {{"type": "quad", "size": 0.1, "material": {{"type": "lambertian", "albedo": 0.5}}}}]}}"#,
+                    place(30.0, turn_a),
+                    place(-30.0, turn_b)
+                );
+                let desc = crate::import::scene_from_str(&json, "test.json", std::path::Path::new(".")).expect(&json);
+                let prepared = prepare(&desc).expect(&json);
+                let choice = LightChoice::new(&prepared.lights, &prepared.geometry).expect("two lights");
+                let p = ((glam::DVec3::ZERO - prepared.center) * prepared.scale).as_vec3a();
+                let receiver = Receiver { p, n: -Vec3::Z };
+                let pmf = [0, 1].map(|light| choice.pmf_direct(&receiver, light, 0).0);
+                assert!((pmf[0] + pmf[1] - 1.0).abs() < 1e-6 && (pmf[0] - 0.5).abs() < 0.05, "{pmf:?}: {json}");
+                assert!(prepared.lights.iter().all(|l| l.power() != Rgb::ZERO));
             }
         }
-        let Some(tree) = &self.tree else { return Pmf(0.0) };
-        let p = tree.pmf(receiver, self.first_emitter[light as usize] + part);
-        Pmf(((1.0 - self.infinite) * p) as f32)
     }
 }

@@ -183,19 +183,19 @@ impl Light {
 
     /// Where a part of the light is and where to it shines; `None` at infinity.
     pub fn bound(&self, geometry: &Geometry, part: u32) -> Option<EmitterBound> {
-        let at = |p: Vec3, axis: Vec3, theta_normals: f32, theta_reach: f32| EmitterBound {
+        let at = |p: Vec3, axis: Vec3, theta_normals: f32, intensity: Rgb| EmitterBound {
             lo: p,
             hi: p,
             axis,
             theta_normals,
-            theta_reach,
+            theta_reach: 0.0,
             two_sided: false,
-            power: f64::from(luminance(self.power())),
+            intensity: f64::from(luminance(intensity)),
         };
         match self {
             Self::Area(l) => Some(l.bound(geometry, part)),
-            Self::Point(l) => Some(at(l.position, Vec3::Z, PI, 0.5 * PI)),
-            Self::Spot(l) => Some(at(l.position, l.axis(), 0.0, l.outer_angle())),
+            Self::Point(l) => Some(at(l.position, Vec3::Z, PI, l.intensity)),
+            Self::Spot(l) => Some(at(l.position, l.axis(), l.outer_angle(), l.intensity)),
             Self::Directional(_) | Self::Environment(_) => None,
         }
     }

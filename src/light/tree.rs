@@ -10,7 +10,7 @@ mod bound;
 pub use bound::EmitterBound;
 
 use super::Receiver;
-use crate::math::Vec3;
+use crate::math::{Vec3, gamma};
 
 /// Buckets that a split is looked for between.
 const BUCKETS: usize = 12;
@@ -22,7 +22,7 @@ const DEEPEST_SORTED: u32 = 40;
 /// follow the geometric cosine.
 const LEAST_COSINE: f32 = 0.05;
 
-/// The least d² that an emitter is counted with: powers are shares, so that all that is divided by it fits an f32.
+/// The least d² that an emitter is counted with: intensities are shares, so that all that is divided by it fits an f32.
 const LEAST_D2: f32 = 1e-30;
 
 /// Rounding of a cosine, for which no emitter may lose its chance.
@@ -39,8 +39,8 @@ struct Node {
     cos_normals: f32,
     sin_normals: f32,
     cos_reach: f32,
-    /// Share of the power of all emitters.
-    power: f32,
+    /// Share of the intensity of all emitters.
+    intensity: f32,
     /// The second half's node, the first follows its parent; of a leaf the emitter.
     link: u32,
     leaf: bool,
@@ -73,9 +73,10 @@ fn sin_of(cos: f32) -> f32 {
 }
 
 impl Node {
-    /// `share` is the emitters' share of all power.
+    /// `share` is the emitters' share of all intensity.
     fn new(b: &EmitterBound, share: f64, leaf: bool) -> Self {
-        let radius = 0.5 * (b.hi - b.lo).length();
+        // The centre is rounded, and so are receivers: relative to where they are, not to the radius.
+        let radius = 0.5 * (b.hi - b.lo).length() + gamma(4) * b.lo.abs().max(b.hi.abs()).max_element();
         Self {
             center: b.center().to_array(),
             // Rounded outwards.
@@ -84,14 +85,14 @@ impl Node {
             cos_normals: b.theta_normals.cos(),
             sin_normals: b.theta_normals.sin(),
             cos_reach: b.theta_reach.cos() - SLACK,
-            power: share as f32,
+            intensity: share as f32,
             link: 0,
             leaf,
             two_sided: b.two_sided,
         }
     }
 
-    /// An estimate of what the emitters send to the receiver, zero only where they send nothing: power × cosine at the
+    /// An estimate of what the emitters send to the receiver, zero only where they send nothing: intensity × cosine at the
     /// emitter × cosine at the receiver / d², each cosine the largest that the bounds allow [PBRT4, 12.6.3].
     #[inline]
     fn importance(&self, receiver: &Receiver) -> f32 {
@@ -99,7 +100,7 @@ impl Node {
         let d2 = to.length_squared();
         if d2 <= self.radius2 {
             // Among them any direction may be the one.
-            return self.power / self.radius2.max(LEAST_D2);
+            return self.intensity / self.radius2.max(LEAST_D2);
         }
         let inverse_d = 1.0 / d2.sqrt();
         let w = to * inverse_d;
@@ -115,7 +116,7 @@ impl Node {
         if cos_emitter <= self.cos_reach {
             return 0.0;
         }
-        let mut importance = self.power * cos_emitter.abs().max(LEAST_COSINE) / d2.max(LEAST_D2);
+        let mut importance = self.intensity * cos_emitter.abs().max(LEAST_COSINE) / d2.max(LEAST_D2);
         if receiver.n != Vec3::ZERO {
             let cos_i = receiver.n.dot(w);
             let cos_receiver = cos_difference(cos_i, sin_of(cos_i), cos_b, sin_b);
@@ -129,14 +130,14 @@ impl Node {
 }
 
 impl LightTree {
-    /// A tree over emitters of positive power; `None` over none.
+    /// A tree over emitters of positive intensity; `None` over none.
     pub fn new(emitters: &[EmitterBound]) -> Option<Self> {
         if emitters.is_empty() {
             return None;
         }
         let mut order: Vec<u32> = (0..emitters.len() as u32).collect();
         let mut tree = Self { nodes: Vec::with_capacity(2 * emitters.len() - 1), trails: vec![0; emitters.len()] };
-        let total = emitters.iter().map(|e| e.power).sum();
+        let total = emitters.iter().map(|e| e.intensity).sum();
         tree.build(emitters, total, &mut order, 0, 0);
         Some(tree)
     }
@@ -146,13 +147,13 @@ impl LightTree {
         let at = self.nodes.len();
         if let [emitter] = *order {
             let bound = &emitters[emitter as usize];
-            let leaf = Node { link: emitter, ..Node::new(bound, bound.power / total, true) };
+            let leaf = Node { link: emitter, ..Node::new(bound, bound.intensity / total, true) };
             self.nodes.push(leaf);
             self.trails[emitter as usize] = trail;
             return;
         }
         let (bound, middle) = split(emitters, order, depth);
-        self.nodes.push(Node::new(&bound, bound.power / total, false));
+        self.nodes.push(Node::new(&bound, bound.intensity / total, false));
         let (first, second) = order.split_at_mut(middle);
         self.build(emitters, total, first, trail, depth + 1);
         self.nodes[at].link = self.nodes.len() as u32;
@@ -239,12 +240,14 @@ fn split(emitters: &[EmitterBound], order: &mut [u32], depth: u32) -> (EmitterBo
             before[k] = so_far;
             so_far = union(so_far, *b);
         }
-        let (mut after, mut best) = (None, (f64::INFINITY, 0));
+        let (mut after, mut best) = (None, (f64::INFINITY, 0_usize));
         for k in (1..BUCKETS).rev() {
             after = union(after, buckets[k]);
             if let (Some(a), Some(b)) = (before[k], after) {
                 let cost = a.cost() + b.cost();
-                if cost < best.0 {
+                // Of cuts that cost the same, the one nearest to the middle: emitters in a row need a shallow tree.
+                let nearer = k.abs_diff(BUCKETS / 2) < best.1.abs_diff(BUCKETS / 2);
+                if cost < best.0 || (cost == best.0 && nearer) {
                     best = (cost, k);
                 }
             }

@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 
 use crate::math::DVec3;
 
-/// Solid angles that the maps of polygons are used for, sr: below, differences of angles lose digits and uniform areas
-/// are as good; above, the polygon surrounds the point.
+/// Solid angles that the maps of polygons are used for, sr: below, the polygon is edge-on or far, and uniform areas are as
+/// good; above, it surrounds the point.
 const SAFE: std::ops::Range<f64> = 1e-3..6.2;
 
 /// The angle between two vectors, without the cancellation of an arc cosine near 0 and π.

@@ -105,7 +105,10 @@ struct Closest {
 pub fn validation_row(file: &str, case: &str, measured: f64, expected: f64, [low, high]: [f64; 2], bound: f64, p: f64) {
     let percent = |x: f64| format!("{:+.3}", 100.0 * x);
     let (low, high, bound) = (percent(low), percent(high), format!("{:.3}", 100.0 * bound));
-    eprintln!("validation\t{file}\t{case}\t{measured:.6e}\t{expected:.6e}\t{low}\t{high}\t{bound}\t{p:.3}");
+    // One string that begins a line: whatever else is printed at the same time stands before or after it.
+    let row =
+        format!("\nvalidation\t{file}\t{case}\t{measured:.6e}\t{expected:.6e}\t{low}\t{high}\t{bound}\t{p:.2e}\n");
+    let _ = std::io::Write::write_all(&mut std::io::stderr().lock(), row.as_bytes());
 }
 
 impl Family {

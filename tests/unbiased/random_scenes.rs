@@ -63,6 +63,9 @@ const KS_LEVEL: f64 = 1e-3;
 /// A side has found a quantity when so many contributions were not black.
 const FOUND: u32 = 64;
 
+/// The share of the light that may lie in such numbers.
+const MOST_UNTESTED: f64 = 0.02;
+
 /// p-values below this make a suspect, which is rendered again with so many times the samples.
 const SUSPICIOUS: f64 = 1e-5;
 const MORE: u32 = 8;
@@ -230,6 +233,8 @@ fn single_tests(scenes: &[RandomScene], rendered: &[Rendered], samples: u32, see
             pair.name,
             100.0 * untested / light
         );
+        // A technique that makes nothing of some length would put all that it ought to make here.
+        assert!(untested < MOST_UNTESTED * light, "{}: too much that one side has hardly found", pair.name);
     }
     let count: usize = suspects.values().map(Vec::len).sum();
     eprintln!("{tests} single tests, {count} suspects in {} renders", suspects.len());

@@ -1,24 +1,28 @@
 //! Points of emitting surfaces for next-event estimation: uniform in the solid angle that the receiver sees where that pays,
 //! else uniform in area.
 
+use std::f32::consts::{FRAC_PI_2, PI};
+
 use crate::geometry::{Geometry, QuadricKind, SurfacePoint, triangle_area};
 use crate::light::LightPoint;
 use crate::light::tree::EmitterBound;
 use crate::math::{DVec3, Vec3, distance_squared, gamma, luminance};
 use crate::pdf::AreaPdf;
-use crate::planted::{Bug, planted};
 use crate::sampling::{SphereCone, SphericalRectangle, SphericalTriangle, warp};
 
 use super::{AreaLight, Emitter};
 
-/// Polygons whose middle is nearer than this, in square roots of their area, are sampled by solid angle: farther away the
-/// solid angle of an element hardly varies over the polygon, and the maps' arithmetic buys nothing (docs/PERFORMANCE.md).
-const NEAR: f64 = 1.5;
+/// Triangles whose middle is nearer than this, in lengths of their longest edge, are sampled by solid angle; rectangles where
+/// their nearest point is nearer than their diagonal. Farther away the solid angle of an element hardly varies over the
+/// polygon, and the maps' arithmetic buys nothing (docs/PERFORMANCE.md).
+const NEAR: f64 = 1.25;
 
-/// A polygon's middle and area tell whether its solid angle is worth the arithmetic.
-#[inline]
-fn is_near(from: Vec3, middle: Vec3, area: f64) -> bool {
-    distance_squared(from, middle) < NEAR * NEAR * area
+/// Whether all of a rectangle is farther away than its diagonal, told from its middle at little cost: no point is farther
+/// from the middle than half a diagonal.
+#[inline(always)]
+fn is_far([a, b]: &[Vec3; 2], middle: Vec3, from: Vec3) -> bool {
+    let diagonal2 = f64::from(a.length_squared() + b.length_squared());
+    distance_squared(from, middle) > 1.5 * 1.5 * diagonal2
 }
 
 /// The density per area at a point chosen uniformly in a solid angle: `cosθ/(d² Ω)`.
@@ -51,7 +55,17 @@ impl AreaLight {
         let Emitter::Parallelogram { corner, edges, rectangle: Some((axes, size)), .. } = &self.emitter else {
             return None;
         };
-        if !is_near(from, *corner + 0.5 * (edges[0] + edges[1]), self.area) {
+        if is_far(edges, *corner + 0.5 * (edges[0] + edges[1]), from) {
+            return None;
+        }
+        // How far beside the rectangle the receiver is, and how far from its plane.
+        let to = from.as_dvec3() - corner.as_dvec3();
+        let beside = |k: usize| {
+            let along = to.dot(axes[k]);
+            along - along.clamp(0.0, size[k])
+        };
+        let (x, y, z) = (beside(0), beside(1), to.dot(axes[0].cross(axes[1])));
+        if x * x + y * y + z * z > size[0] * size[0] + size[1] * size[1] {
             return None;
         }
         SphericalRectangle::new(corner.as_dvec3() - from.as_dvec3(), *axes, *size)
@@ -83,7 +97,7 @@ impl AreaLight {
     ) -> Option<(SurfacePoint, AreaPdf)> {
         if let Emitter::Parallelogram { corner, edges, .. } = &self.emitter {
             // The everyday lamp, at an everyday distance.
-            if !is_near(from, *corner + 0.5 * (edges[0] + edges[1]), self.area) {
+            if is_far(edges, *corner + 0.5 * (edges[0] + edges[1]), from) {
                 return Some((self.parallelogram_point(u)?, AreaPdf(1.0 / self.area)));
             }
         }
@@ -128,9 +142,6 @@ impl AreaLight {
     /// Density per area with which `sample_direct` at `from` chooses the point `at` of this light, given its part.
     #[inline]
     pub fn pdf_direct(&self, geometry: &Geometry, from: Vec3, at: &SurfacePoint) -> AreaPdf {
-        if planted(Bug::DirectByArea) {
-            return self.pdf_point(geometry, at.p());
-        }
         let solid_angle = match &self.emitter {
             Emitter::Parallelogram { .. } => self.rectangle_from(from).map(|r| r.solid_angle()),
             Emitter::Triangles { .. } => match triangle_from(geometry, from, at.primitive) {
@@ -161,13 +172,13 @@ impl AreaLight {
 
     /// What the choice of a part goes by.
     pub fn bound(&self, geometry: &Geometry, part: u32) -> EmitterBound {
-        let (half, full) = (0.5 * std::f32::consts::PI, std::f32::consts::PI);
         let flat = |corners: &[Vec3], normal: Vec3, area: f64| {
             let lo = corners.iter().fold(Vec3::INFINITY, |m, c| m.min(*c));
             let hi = corners.iter().fold(Vec3::NEG_INFINITY, |m, c| m.max(*c));
             (lo, hi, normal, 0.0, area)
         };
-        let (lo, hi, axis, theta_normals, area) = match &self.emitter {
+        // The area that it shows at most.
+        let (lo, hi, axis, theta_normals, shown) = match &self.emitter {
             Emitter::Parallelogram { corner, edges: [a, b], normal, .. } => {
                 flat(&[*corner, *corner + *a, *corner + *b, *corner + *a + *b], *normal, self.area)
             }
@@ -179,16 +190,15 @@ impl AreaLight {
             Emitter::Quadric { index, .. } => {
                 let q = &geometry.quadrics[*index as usize];
                 let (lo, hi) = q.bounds();
-                let (axis, theta) = match q.kind {
-                    QuadricKind::Sphere => (Vec3::Z, full),
-                    QuadricKind::Disk => (q.normal_to_world(DVec3::Z).as_vec3a(), 0.0),
-                };
-                (lo, hi, axis, theta, self.area)
+                match q.kind {
+                    // A quarter of its surface is what a convex body shows on average.
+                    QuadricKind::Sphere => (lo, hi, Vec3::Z, PI, 0.25 * self.area),
+                    QuadricKind::Disk => (lo, hi, q.normal_to_world(DVec3::Z).as_vec3a(), 0.0, self.area),
+                }
             }
         };
-        let power = f64::from(luminance(self.radiance)) * area * if self.two_sided { 2.0 } else { 1.0 };
-        let theta_reach = half;
-        EmitterBound { lo, hi, axis, theta_normals, theta_reach, two_sided: self.two_sided, power }
+        let intensity = f64::from(luminance(self.radiance)) * shown;
+        EmitterBound { lo, hi, axis, theta_normals, theta_reach: FRAC_PI_2, two_sided: self.two_sided, intensity }
     }
 }
 
@@ -197,7 +207,8 @@ impl AreaLight {
 fn triangle_from(geometry: &Geometry, from: Vec3, triangle: u32) -> Option<(SphericalTriangle, [DVec3; 3])> {
     let corners = geometry.corners(triangle);
     let [a, b, c] = corners;
-    if !is_near(from, (a + b + c) * (1.0 / 3.0), triangle_area(corners)) {
+    let longest2 = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    if distance_squared(from, (a + b + c) * (1.0 / 3.0)) > NEAR * NEAR * f64::from(longest2) {
         return None;
     }
     let corners = corners.map(|p| p.as_dvec3() - from.as_dvec3());

@@ -19,8 +19,9 @@ pub struct EmitterBound {
     pub theta_reach: f32,
     /// Whether they shine to the other side of their normals as well.
     pub two_sided: bool,
-    /// Power, as a luminance.
-    pub power: f64,
+    /// Radiant intensity in the direction in which they shine most, as a luminance in render units: what the importance of an
+    /// emitter at distance d is d² times of, whatever kind of emitter it is.
+    pub intensity: f64,
 }
 
 impl EmitterBound {
@@ -34,7 +35,7 @@ impl EmitterBound {
             theta_normals,
             theta_reach: self.theta_reach.max(o.theta_reach),
             two_sided: self.two_sided || o.two_sided,
-            power: self.power + o.power,
+            intensity: self.intensity + o.intensity,
         }
     }
 
@@ -43,17 +44,18 @@ impl EmitterBound {
         0.5 * (self.lo + self.hi)
     }
 
-    /// What it costs to know no more of the group than these bounds: power × solid angle of directions × area of the box
+    /// What it costs to know no more of the group than these bounds: intensity × solid angle of directions × area of the box
     /// [ContyKulla18, (1)].
     pub fn cost(&self) -> f64 {
         let d = (self.hi - self.lo).as_dvec3();
-        let area = d.x * d.y + d.y * d.z + d.z * d.x;
+        // Emitters on a line have a box without area; the line's length still matters.
+        let area = d.x * d.y + d.y * d.z + d.z * d.x + 1e-3 * d.max_element() * d.max_element();
         let (o, sin, cos) = (self.theta_normals, self.theta_normals.sin(), self.theta_normals.cos());
         let w = (o + self.theta_reach).min(PI);
         // ∫ over the cone of normals, and beyond it by the cosine up to the reach.
         let directions =
             2.0 * PI * (1.0 - cos) + 0.5 * PI * (2.0 * w * sin - (o - 2.0 * w).cos() - 2.0 * o * sin + cos);
-        self.power * f64::from(directions) * area
+        self.intensity * f64::from(directions) * area
     }
 }
 

@@ -177,6 +177,15 @@ impl Judge<'_> {
             let w = if i == k - 1 { lens.pdf.0 } else { fc(i + 1).pdf_fwd };
             w * cos_in(i, i + 1) / d2(i)
         };
+        // Light arrives along this path: next-event estimation must have a chance to find it, whatever the choice of the light
+        // knows of receivers. Its bounds are good to a rounding at grazing angles.
+        if k > 1 && !path.windows[0] && !path.inner[0].delta {
+            let grazing = cos_in(1, 0) < 1e-4 || path.start.cos(dir(0, 1)) < 1e-4;
+            assert!(direct > 0.0 || grazing, "the choice of the light misses what shines on the receiver: {path:?}");
+            if direct == 0.0 {
+                return None;
+            }
+        }
         let density = |s: usize| {
             let mut product = 1.0;
             for i in 0..k {
@@ -194,8 +203,6 @@ impl Judge<'_> {
         let feasible = |s: usize| match s {
             0 => !light.is_delta(),
             s if s == k && k == 1 => !light.is_delta() && !path.windows[0],
-            // A light that the choice knows not to shine on the receiver is never sampled there.
-            1 if direct == 0.0 => false,
             s => connectible(s - 1) && connectible(s) && !path.windows[s - 1],
         };
         let count = |s: usize| match s {
