@@ -22,7 +22,7 @@ struct Lamps {
     radiance: [f64; 3],
 }
 
-/// One light in each cell of a dome, so that none hides another. `kinds` says which there are; their strengths spread over
+/// One light in each cell of a dome, none as large as to hide another. `kinds` says which there are; their strengths spread over
 /// this many orders of magnitude.
 fn lamps(random: &mut Random, pose: &DAffine3, kinds: &[&str], orders: f64) -> Lamps {
     let mut out = Lamps { surfaces: Vec::new(), lights: Vec::new(), radiance: [0.0; 3] };
@@ -66,7 +66,7 @@ fn lamps(random: &mut Random, pose: &DAffine3, kinds: &[&str], orders: f64) -> L
             }
             "ball" => {
                 // E = πL (R/d)² cosθ.
-                let radius = 0.08 * distance;
+                let radius = 0.05 * distance;
                 let l = color.map(|c| c / (radius * radius));
                 receive(PI * to.z / (distance * distance));
                 out.surfaces.push(sphere(pose.transform_point3(p), radius, false, shining(l.to_vec())));
@@ -74,7 +74,7 @@ fn lamps(random: &mut Random, pose: &DAffine3, kinds: &[&str], orders: f64) -> L
             kind => {
                 let away = kind == "away";
                 let frame = facing(p, (if away { to } else { -to } + random.direction() * 0.4).normalize());
-                let [a, b] = [0.15, 0.1].map(|s| 0.5 * s * distance);
+                let [a, b] = [0.09, 0.06].map(|s| 0.5 * s * distance);
                 let corners =
                     [(-a, -b), (a, -b), (a, b), (-a, b)].map(|(x, y)| frame.transform_point3(DVec3::new(x, y, 0.0)));
                 let area = 4.0 * a * b;
