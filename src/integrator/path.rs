@@ -48,7 +48,7 @@ pub(super) fn sample_light<A: Accel>(
 ) -> Option<(u32, DirectSample)> {
     let choice = scene.light_choice.as_ref()?;
     sampler.set_dimension(block + dimensions::LIGHT_CHOICE);
-    let (id, part, pmf) = choice.sample_direct(receiver, sampler.next_f64())?;
+    let (id, part, pmf) = choice.sample_direct(receiver, || sampler.next_f64())?;
     let light = &scene.lights[id as usize];
     let u_part = if light.shines_in_parts() { sampler.next_f64() } else { 0.0 };
     sampler.set_dimension(block + dimensions::LIGHT_POINT);

@@ -94,14 +94,15 @@ impl LightChoice {
         if planted(Bug::LightChoiceOfOneMore) { Pmf(pmf.0 * (n / (n + 1.0))) } else { pmf }
     }
 
-    /// Chooses a light, and a part of it, for next-event estimation; `None` where none shines on the receiver.
+    /// Chooses a light, and a part of it, for next-event estimation by a number uniform in [0, 1), if there is a choice;
+    /// `None` where none shines on the receiver.
     #[inline(always)]
-    pub fn sample_direct(&self, receiver: &Receiver, u: f64) -> Option<(u32, u32, Pmf)> {
+    pub fn sample_direct(&self, receiver: &Receiver, u: impl FnOnce() -> f64) -> Option<(u32, u32, Pmf)> {
         // A scene of one lamp pays for no choice.
         if let Some((light, part)) = self.only {
             return Some((light, part, self.counted(Pmf(1.0))));
         }
-        self.sample_among(receiver, u).map(|(light, part, pmf)| (light, part, self.counted(pmf)))
+        self.sample_among(receiver, u()).map(|(light, part, pmf)| (light, part, self.counted(pmf)))
     }
 
     #[inline(never)]

@@ -95,7 +95,11 @@ impl AreaLight {
         part: u32,
         u: [f32; 2],
     ) -> Option<(SurfacePoint, AreaPdf)> {
-        if let Emitter::Parallelogram { corner, edges, .. } = &self.emitter {
+        if let Emitter::Parallelogram { corner, edges, normal, .. } = &self.emitter {
+            // Behind it there is no light to be sampled.
+            if !self.two_sided && (from - *corner).dot(*normal) < 0.0 {
+                return None;
+            }
             // The everyday lamp, at an everyday distance.
             if is_far(edges, *corner + 0.5 * (edges[0] + edges[1]), from) {
                 return Some((self.parallelogram_point(u)?, AreaPdf(1.0 / self.area)));
