@@ -46,6 +46,11 @@ fn emitters(n: usize, seed: u64) -> Vec<EmitterBound> {
         .collect()
 }
 
+/// A point light, as `Light::bound` describes it.
+fn point(p: Vec3, intensity: f64) -> EmitterBound {
+    EmitterBound { lo: p, hi: p, axis: Vec3::Z, theta_normals: PI, theta_reach: 0.0, two_sided: false, intensity }
+}
+
 fn receivers(n: usize) -> Vec<Receiver> {
     let mut r = Numbers(99);
     (0..n)
@@ -122,15 +127,7 @@ fn the_choice_follows_what_arrives() {
     let emitters: Vec<EmitterBound> = (0..n)
         .map(|_| {
             let p = r.place();
-            EmitterBound {
-                lo: p,
-                hi: p,
-                axis: Vec3::Z,
-                theta_normals: PI,
-                theta_reach: 0.5 * PI,
-                two_sided: false,
-                intensity: f64::from(0.1 + r.next()),
-            }
+            point(p, f64::from(0.1 + r.next()))
         })
         .collect();
     let tree = LightTree::new(&emitters).expect("some emitters");
@@ -177,12 +174,7 @@ fn a_million_emitters_and_emitters_in_one_place() {
 /// Lamps in a row, which have a box without area, make no list of the tree.
 #[test]
 fn lamps_in_a_row_make_a_shallow_tree() {
-    let row: Vec<EmitterBound> = (0..1000)
-        .map(|i| {
-            let p = Vec3::X * (i as f32 * 1e-3);
-            EmitterBound { lo: p, hi: p, theta_normals: PI, intensity: 1.0, ..emitters(1, 1)[0] }
-        })
-        .collect();
+    let row: Vec<EmitterBound> = (0..1000).map(|i| point(Vec3::X * (i as f32 * 1e-3), 1.0)).collect();
     let tree = LightTree::new(&row).expect("some emitters");
     let depth = |e: usize| {
         let (mut at, mut trail, mut depth) = (0, tree.trails[e], 0);
@@ -199,16 +191,8 @@ fn lamps_in_a_row_make_a_shallow_tree() {
 /// In the same place as a delta light, at the rim of a cone, with powers a trillion apart: finite, and a probability.
 #[test]
 fn extremes_are_finite() {
-    let at = |p: Vec3, intensity: f64| EmitterBound {
-        lo: p,
-        hi: p,
-        axis: Vec3::Z,
-        theta_normals: PI,
-        theta_reach: 0.5 * PI,
-        two_sided: false,
-        intensity,
-    };
-    let tree = LightTree::new(&[at(Vec3::ZERO, 1e-20), at(Vec3::X, 1e-8), at(Vec3::Y, 1e20)]).expect("some emitters");
+    let emitters = [point(Vec3::ZERO, 1e-20), point(Vec3::X, 1e-8), point(Vec3::Y, 1e20)];
+    let tree = LightTree::new(&emitters).expect("some emitters");
     for p in [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(1e-20), Vec3::splat(1e18)] {
         let pmf: Vec<f64> = (0..3).map(|e| tree.pmf(&Receiver::anywhere(p), e)).collect();
         assert!(pmf.iter().all(|p| p.is_finite() && *p >= 0.0), "{p}: {pmf:?}");
