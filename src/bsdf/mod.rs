@@ -191,6 +191,21 @@ impl Bsdf {
         matches!(self, Self::RoughDielectric(_))
     }
 
+    /// Whether `sample` looks at its number `lobe`: others need not draw one.
+    #[inline]
+    pub fn chooses_lobe(&self) -> bool {
+        match self {
+            Self::Dielectric { .. } | Self::RoughDielectric(_) | Self::ThinDielectric { .. } | Self::Plastic(_) => true,
+            Self::Black
+            | Self::Lambertian { .. }
+            | Self::Mirror { .. }
+            | Self::Null
+            | Self::Conductor(_)
+            | Self::SmoothConductor { .. }
+            | Self::Empirical(_) => false,
+        }
+    }
+
     /// Whether the model scatters at all.
     #[inline]
     pub fn scatters(&self) -> bool {

@@ -97,7 +97,7 @@ fn trace<A: Accel>(
             return;
         }
         let at = &arrival.at;
-        let bsdf = &arrival.surface.bsdf;
+        let bsdf = &arrival.bsdf;
         let wo = -ray.d;
         if bsdf.is_connectible() && settings.wants(s, 1) {
             if let Some(lens) = scene.camera.sample_lens(at.p(), &lens_numbers(&scene.camera, &mut sampler, s)) {
@@ -115,7 +115,7 @@ fn trace<A: Accel>(
         let block = dimensions::START + (s - 2) * dimensions::BLOCK;
         sampler.set_dimension(block);
         let u = sampler.next_2d();
-        let lobe = sampler.next_1d();
+        let lobe = if bsdf.chooses_lobe() { sampler.next_1d() } else { 0.0 };
         let Some(next) = bsdf.sample(at, wo, lobe, u, Transport::Importance) else { return };
         if settings.class.ends_light_subpath(light, s, next.delta) {
             return;

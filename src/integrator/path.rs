@@ -124,9 +124,10 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
             };
             recorder.add(0, t, beta * le * w);
         };
-        let arrival = match reached {
+        // Looked at where it lies: a copy made of what was just written waits for it.
+        let arrival = match &reached {
             Reached::Surface(arrival) => arrival,
-            Reached::Infinity { through_window } => {
+            &Reached::Infinity { through_window } => {
                 if settings.class.ends_camera_subpath(t, true) {
                     return;
                 }
@@ -140,14 +141,14 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
             return;
         }
         let at = &arrival.at;
-        if let Some(id) = arrival.surface.light {
+        if let Some(id) = arrival.light {
             hit(id, LightPoint::Surface(*at), arrival.through_window);
         }
         let bounces = t - 1;
-        if bounces > settings.max_bounces + u32::from(planted(Bug::DepthOfPath)) || !arrival.surface.bsdf.scatters() {
+        if bounces > settings.max_bounces + u32::from(planted(Bug::DepthOfPath)) || !arrival.bsdf.scatters() {
             return;
         }
-        let bsdf = &arrival.surface.bsdf;
+        let bsdf = &arrival.bsdf;
         let block = (t - 2) * dimensions::BLOCK;
         receiver = Receiver::new(at, wo, bsdf.transmits());
         // s = 1: next-event estimation.
@@ -175,7 +176,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         }
         sampler.set_dimension(block + dimensions::DIRECTION);
         let u = sampler.next_2d();
-        let lobe = sampler.next_1d();
+        let lobe = if bsdf.chooses_lobe() { sampler.next_1d() } else { 0.0 };
         let Some(next) = bsdf.sample(at, wo, lobe, u, Transport::Radiance) else { return };
         if settings.class.ends_camera_subpath(t, next.delta) {
             return;

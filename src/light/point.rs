@@ -74,7 +74,7 @@ impl LightPoint {
     }
 
     /// The segment between `at` and this point, which nothing may block for light to pass.
-    #[inline]
+    #[inline(always)]
     pub fn shadow_ray(&self, at: &SurfacePoint) -> Ray {
         match self {
             Self::Surface(s) => Ray::segment(at.origin(s.p() - at.p()), s.segment_end(at.p())),

@@ -8,7 +8,7 @@ mod offset;
 mod ray;
 
 pub use frame::Frame;
-pub use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2};
+pub use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec4};
 pub use offset::{PointWithError, gamma, next_down, next_up, offset_origin};
 pub use ray::Ray;
 

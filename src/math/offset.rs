@@ -40,15 +40,15 @@ pub fn offset_origin(point: PointWithError, ng: Vec3, towards: Vec3) -> Vec3 {
     Vec3::new(round_away(moved.x, n.x), round_away(moved.y, n.y), round_away(moved.z, n.z))
 }
 
+/// The next float on the side of `direction`'s sign; `x` itself where that is zero.
+///
+/// Without branches, for signs of coordinates and normals are a coin's: floats in the order of their values are
+/// consecutive integers once the magnitude bits of negative ones are inverted.
 #[inline]
 fn round_away(x: f32, direction: f32) -> f32 {
-    if direction > 0.0 {
-        next_up(x)
-    } else if direction < 0.0 {
-        next_down(x)
-    } else {
-        x
-    }
+    let ordered = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
+    let step = i32::from(direction > 0.0) - i32::from(direction < 0.0);
+    f32::from_bits(ordered(ordered(x.to_bits() as i32).wrapping_add(step)) as u32)
 }
 
 /// The next f32 above a finite `x` (`f32::next_up` is younger than the Rust this crate is kept to).
@@ -85,6 +85,15 @@ mod tests {
         for side in [Vec3::Y, -Vec3::Y] {
             let y = offset_origin(point, Vec3::Y, side).y * side.y;
             assert!((f32::MIN_POSITIVE..1e-11).contains(&y), "{y}");
+        }
+    }
+
+    #[test]
+    fn rounding_away_is_the_next_float_on_that_side() {
+        for x in [0.0, 1.0, -1.0, 1e-45, -1e-45, f32::MIN_POSITIVE, 1e30, -1e30, -0.999_999_94] {
+            assert_eq!(round_away(x, 0.3).to_bits(), next_up(x).to_bits());
+            assert_eq!(round_away(x, 0.0).to_bits(), x.to_bits());
+            assert!(round_away(x, -0.3) == next_down(x));
         }
     }
 

@@ -206,7 +206,7 @@ impl AovJob<'_> {
             sampler.set_dimension(dimensions::DIRECTION);
             let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
             // The mean of a sample's weight is the albedo, whatever the model.
-            if let Some(s) = arrival.surface.bsdf.sample(at, -ray.d, lobe, u, Transport::Radiance) {
+            if let Some(s) = arrival.bsdf.sample(at, -ray.d, lobe, u, Transport::Radiance) {
                 albedo += s.weight / s.eta_scale;
             }
         }
@@ -218,7 +218,7 @@ impl AovJob<'_> {
             GeometryKind::Triangle => arrival.hit.primitive + 1,
             GeometryKind::Quadric => triangles + arrival.hit.primitive + 1,
         });
-        let surface = seen.map(|arrival| arrival.at.surface as usize);
+        let surface = seen.map(|arrival| arrival.at.surface() as usize);
         Texel {
             albedo: (albedo / count as f32).to_array(),
             ng: ng.normalize_or_zero().to_array(),

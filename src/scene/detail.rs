@@ -197,7 +197,7 @@ impl Details {
         let displacement = |u: f32, v: f32| {
             let mut there = *at;
             there.point.p += du * u + dv * v;
-            there.uv = [at.uv[0] + u, at.uv[1] + v];
+            let there = there.with_uv([at.uv()[0] + u, at.uv()[1] + v]);
             texture.scalar(&there) * self.scale
         };
         let by_u = (displacement(su, 0.0) - displacement(-su, 0.0)) / (2.0 * su);

@@ -64,8 +64,10 @@ pub struct Arrival {
     pub hit: Hit,
     /// Where.
     pub at: SurfacePoint,
-    /// What it is made of, there.
-    pub surface: Surface,
+    /// How the surface scatters, there.
+    pub bsdf: Bsdf,
+    /// The light it is, if it shines.
+    pub light: Option<u32>,
     /// Whether the ray came through an index-matched window, across which nothing can be connected.
     pub through_window: bool,
 }
@@ -125,20 +127,23 @@ impl<A: Accel> Scene<A> {
             *rays += 1;
             let Some(hit) = self.accel.intersect(&ray) else { return Reached::Infinity { through_window } };
             let mut at = self.geometry.surface_point(&ray, &hit);
-            let mut surface = self.surfaces[at.surface as usize];
-            if let Some(detail) = surface.detail {
-                let Some(bsdf) = self.details.resolve(detail, &self.geometry, &hit, &mut at, coins) else {
-                    ray = Ray::new(at.origin(ray.d), ray.d);
-                    continue;
-                };
-                surface.bsdf = bsdf;
-            }
-            if self.needs.windows && surface.bsdf == Bsdf::Null {
+            let surface = &self.surfaces[at.surface() as usize];
+            let bsdf = match surface.detail {
+                None => surface.bsdf,
+                Some(detail) => match self.details.resolve(detail, &self.geometry, &hit, &mut at, coins) {
+                    Some(bsdf) => bsdf,
+                    None => {
+                        ray = Ray::new(at.origin(ray.d), ray.d);
+                        continue;
+                    }
+                },
+            };
+            if self.needs.windows && bsdf == Bsdf::Null {
                 through_window = !planted(Bug::WindowsConnect);
                 ray = Ray::new(at.origin(ray.d), ray.d);
                 continue;
             }
-            return Reached::Surface(Arrival { hit, at, surface, through_window });
+            return Reached::Surface(Arrival { hit, at, bsdf, light: surface.light, through_window });
         }
     }
 
@@ -164,7 +169,7 @@ impl<A: Accel> Scene<A> {
             *rays += 1;
             let Some(hit) = self.accel.intersect_cut_out(&ray) else { return passed };
             let at = self.geometry.surface_point(&ray, &hit);
-            let Some(detail) = self.surfaces[at.surface as usize].detail else { return 0.0 };
+            let Some(detail) = self.surfaces[at.surface() as usize].detail else { return 0.0 };
             passed *= (1.0 - self.details.opacity(detail, &at)).clamp(0.0, 1.0);
             if passed == 0.0 {
                 return 0.0;

@@ -110,7 +110,7 @@ impl Texture {
                 let t = (0.5 * (1.0 + (marble.scale * p.z + 10.0 * noise::turbulence(p)).sin())) as f32;
                 marble.base.color(at) * (1.0 - t) + marble.veins.color(at) * t
             }
-            Self::Image(image) => image.value(at.uv),
+            Self::Image(image) => image.value(at.uv()),
         }
     }
 

@@ -278,7 +278,7 @@ fn model(surface: Value) -> (Bsdf, SurfacePoint) {
     let scene = scene(&scene_json(view.json(), vec![surface], vec![point_light(DVec3::Z * 4.0)]));
     let ray = scene.camera.generate_ray([0, 0], [0.5; 2], [0.5; 2]).ray;
     let arrival = scene.arrive(ray, &mut Coins::new(0), &mut 0).expect("a surface");
-    (arrival.surface.bsdf, arrival.at)
+    (arrival.bsdf, arrival.at)
 }
 
 /// A texture that is the same everywhere is the number it holds, in every model.

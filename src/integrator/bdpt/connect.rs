@@ -35,7 +35,7 @@ pub(super) struct EmitterHit {
 
 /// What a camera vertex shines with toward the camera: no connection's business, unless by a planted bug.
 fn emission<A: Accel>(scene: &Scene<A>, z: &Vertex) -> Rgb {
-    let light = scene.surfaces[z.at.surface as usize].light;
+    let light = scene.surfaces[z.at.surface() as usize].light;
     light.map_or(Rgb::ZERO, |id| z.beta * scene.lights[id as usize].emitted(&LightPoint::Surface(z.at), z.wo))
 }
 

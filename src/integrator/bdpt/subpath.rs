@@ -54,14 +54,14 @@ impl Bdpt {
             let at = arrival.at;
             let wo = -ray.d;
             let cos_in = f64::from(wo.dot(at.ng).abs());
-            if cos_in == 0.0 || !arrival.surface.bsdf.scatters() {
+            if cos_in == 0.0 || !arrival.bsdf.scatters() {
                 return;
             }
             let partial = match &departure {
                 None => {
                     // Only from here is it known with which density next-event estimation would have found the light;
                     // at a delta vertex it has none.
-                    let bsdf = &arrival.surface.bsdf;
+                    let bsdf = &arrival.bsdf;
                     let direct = if bsdf.is_connectible() {
                         let receiver = Receiver::new(&at, wo, bsdf.transmits());
                         scene.pdf_direct(&receiver, id, &emission.point).0
@@ -81,7 +81,7 @@ impl Bdpt {
                     self.mis.arrive(departure, distance_squared(from, at.p()), cos_in, !arrival.through_window)
                 }
             };
-            let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };
+            let vertex = Vertex { at, wo, bsdf: arrival.bsdf, beta, partial, number };
             if vertex.bsdf.is_connectible() {
                 self.connect_to_camera(scene, &vertex, &mut sampler, recorder);
                 self.light_vertices.push(vertex);
@@ -158,8 +158,8 @@ impl Bdpt {
                 }
                 Some(departure) => self.mis.arrive(departure, d2, cos_in, !arrival.through_window),
             };
-            let vertex = Vertex { at, wo, bsdf: arrival.surface.bsdf, beta, partial, number };
-            if let Some(id) = arrival.surface.light {
+            let vertex = Vertex { at, wo, bsdf: arrival.bsdf, beta, partial, number };
+            if let Some(id) = arrival.light {
                 let hit = EmitterHit { point: LightPoint::Surface(at), wo, receiver, beta, partial, number };
                 self.hit_emitter(scene, id, &hit, recorder);
             }
@@ -194,7 +194,7 @@ impl Bdpt {
 #[inline]
 fn scatter(vertex: &Vertex, transport: Transport, sampler: &mut Sampler) -> Option<BsdfSample> {
     let u = sampler.next_2d();
-    let lobe = sampler.next_1d();
+    let lobe = if vertex.bsdf.chooses_lobe() { sampler.next_1d() } else { 0.0 };
     vertex.bsdf.sample(&vertex.at, vertex.wo, lobe, u, transport)
 }
 

@@ -148,9 +148,9 @@ impl AreaLight {
     pub fn pdf_direct(&self, geometry: &Geometry, from: Vec3, at: &SurfacePoint) -> AreaPdf {
         let solid_angle = match &self.emitter {
             Emitter::Parallelogram { .. } => self.rectangle_from(from).map(|r| r.solid_angle()),
-            Emitter::Triangles { .. } => match triangle_from(geometry, from, at.primitive) {
+            Emitter::Triangles { .. } => match triangle_from(geometry, from, at.primitive()) {
                 Some((seen, _)) => Some(seen.solid_angle()),
-                None => return AreaPdf(1.0 / triangle_area(geometry.corners(at.primitive))),
+                None => return AreaPdf(1.0 / triangle_area(geometry.corners(at.primitive()))),
             },
             Emitter::Quadric { .. } => self.cone_from(from).map(|c| c.solid_angle()),
         };
@@ -169,7 +169,7 @@ impl AreaLight {
     #[inline]
     pub fn part_of(&self, at: &SurfacePoint) -> u32 {
         match &self.emitter {
-            Emitter::Triangles { triangles, .. } => at.primitive - triangles.start,
+            Emitter::Triangles { triangles, .. } => at.primitive() - triangles.start,
             Emitter::Parallelogram { .. } | Emitter::Quadric { .. } => 0,
         }
     }

@@ -136,10 +136,10 @@ fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &m
         };
         let mut v = Inner {
             at: arrival.at,
-            bsdf: arrival.surface.bsdf,
-            light: arrival.surface.light,
+            bsdf: arrival.bsdf,
+            light: arrival.light,
             through_window: arrival.through_window,
-            delta: !arrival.surface.bsdf.is_connectible(),
+            delta: !arrival.bsdf.is_connectible(),
         };
         let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
         let next = v.bsdf.sample(&v.at, -ray.d, lobe, u, transport);

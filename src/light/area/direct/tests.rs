@@ -93,7 +93,7 @@ fn densities_are_those_of_what_is_sampled_and_integrate_to_one() {
                 let part = (f64::from(i) * 0.618_033_988_749_895).fract();
                 let (at, pdf) = light.sample_point(&geometry, part, u).expect("a point");
                 let area = match &light.emitter {
-                    Emitter::Triangles { .. } => triangle_area(geometry.corners(at.primitive)),
+                    Emitter::Triangles { .. } => triangle_area(geometry.corners(at.primitive())),
                     _ => 1.0 / pdf.0,
                 };
                 // A sphere's far side is not sampled from outside: its density there belongs to no path.
