@@ -2,7 +2,7 @@
 
 use super::{PixelSample, Recorder, Settings};
 use crate::accel::Accel;
-use crate::bsdf::Transport;
+use crate::bsdf::{Bsdf, Transport};
 use crate::camera::{Camera, LensNumbers};
 use crate::light::LightPoint;
 use crate::math::Ray;
@@ -89,15 +89,16 @@ fn trace<A: Accel>(
     let mut beta = start.le * (cos / (pdf_position * start.pdf_direction.0)) as f32;
     let mut roulette = settings.roulette(beta);
     let mut ray = Ray::new(start.origin, start.w);
+    let mut varying = Bsdf::Black;
     // Light vertices including the one being arrived at; s − 1 of them scatter when the camera is connected.
     let mut s = 2;
     while s - 1 + u32::from(planted(Bug::DepthOfLight)) <= settings.max_bounces {
-        let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light) else { return };
+        let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light, &mut varying) else { return };
         if settings.class.ends_light_subpath(light, s, arrival.through_window) {
             return;
         }
         let at = &arrival.at;
-        let bsdf = &arrival.bsdf;
+        let bsdf = arrival.bsdf;
         let wo = -ray.d;
         if bsdf.is_connectible() && settings.wants(s, 1) {
             if let Some(lens) = scene.camera.sample_lens(at.p(), &lens_numbers(&scene.camera, &mut sampler, s)) {

@@ -2,7 +2,7 @@
 
 use super::{PixelSample, Recorder, Settings};
 use crate::accel::Accel;
-use crate::bsdf::Transport;
+use crate::bsdf::{Bsdf, Transport};
 use crate::camera::{Camera, CameraRay};
 use crate::light::{DirectSample, LightEdge, LightPoint, Receiver};
 use crate::math::{Ray, Rgb};
@@ -97,11 +97,12 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
     // made the edge: the camera's own, or one that left a delta lobe.
     let mut pdf_last: Option<f64> = None;
     let mut receiver = Receiver::anywhere(ray.o);
+    let mut varying = Bsdf::Black;
     // Vertices including the camera's and the one being arrived at.
     let mut t = 2;
     loop {
         let wo = -ray.d;
-        let reached = scene.follow(ray, &mut coins, &mut recorder.rays.camera);
+        let reached = scene.follow(ray, &mut coins, &mut recorder.rays.camera, &mut varying);
         // s = 0: the path has hit light `id`. Next-event estimation could not have found it behind a window.
         let mut hit = |id: u32, point: LightPoint, through_window: bool| {
             let light = &scene.lights[id as usize];
@@ -148,7 +149,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         if bounces > settings.max_bounces + u32::from(planted(Bug::DepthOfPath)) || !arrival.bsdf.scatters() {
             return;
         }
-        let bsdf = &arrival.bsdf;
+        let bsdf = arrival.bsdf;
         let block = (t - 2) * dimensions::BLOCK;
         receiver = Receiver::new(at, wo, bsdf.transmits());
         // s = 1: next-event estimation.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{RenderError, Rendered, pool};
 use crate::accel::Accel;
-use crate::bsdf::Transport;
+use crate::bsdf::{Bsdf, Transport};
 use crate::camera::{Filter, LensNumbers};
 use crate::film::{Channel, Image};
 use crate::geometry::GeometryKind;
@@ -193,11 +193,12 @@ impl AovJob<'_> {
         let count = self.samples.clamp(1, MOST_RAYS);
         let (mut albedo, mut ng, mut ns) = (Rgb::ZERO, Vec3::ZERO, Vec3::ZERO);
         let (mut depth, mut hits) = (0.0_f64, 0_u32);
+        let mut varying = Bsdf::Black;
         for index in 0..count {
             let mut sampler = Sampler::new(self.settings.sampler, self.settings.seed, key, Stream::Camera, index);
             let mut coins = sampler.coins();
             let ray = camera_ray(&scene.camera, pixel, &mut sampler).ray;
-            let Some(arrival) = scene.arrive(ray, &mut coins, &mut 0) else { continue };
+            let Some(arrival) = scene.arrive(ray, &mut coins, &mut 0, &mut varying) else { continue };
             let at = &arrival.at;
             hits += 1;
             ng += at.ng;
@@ -213,10 +214,10 @@ impl AovJob<'_> {
         let center = scene.camera.generate_ray(pixel, [0.5; 2], [0.5; 2]).ray;
         let triangles = scene.geometry.triangles.len() as u32;
         // One arrival for both identifiers, so that they belong to one surface.
-        let seen = scene.arrive(center, &mut Coins::new(u64::from(key)), &mut 0);
-        let primitive = seen.as_ref().map_or(0, |arrival| match arrival.hit.geometry {
-            GeometryKind::Triangle => arrival.hit.primitive + 1,
-            GeometryKind::Quadric => triangles + arrival.hit.primitive + 1,
+        let seen = scene.arrive(center, &mut Coins::new(u64::from(key)), &mut 0, &mut varying);
+        let primitive = seen.as_ref().map_or(0, |arrival| match arrival.geometry {
+            GeometryKind::Triangle => arrival.at.primitive() + 1,
+            GeometryKind::Quadric => triangles + arrival.at.primitive() + 1,
         });
         let surface = seen.map(|arrival| arrival.at.surface() as usize);
         Texel {

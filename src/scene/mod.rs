@@ -16,7 +16,7 @@ use std::sync::Arc;
 use crate::accel::{Accel, AccelError, AccelOptions};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
-use crate::geometry::{Geometry, Hit, SurfacePoint};
+use crate::geometry::{Geometry, GeometryKind, SurfacePoint};
 use crate::light::{Light, LightChoice, LightPoint, Receiver};
 use crate::math::Ray;
 use crate::pdf::LightPointPdf;
@@ -59,13 +59,13 @@ pub struct Scene<A> {
 
 /// The first surface along a ray that is there and is not a window.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival {
-    /// The primitive.
-    pub hit: Hit,
+pub struct Arrival<'a> {
+    /// The kind of primitive it lies on.
+    pub geometry: GeometryKind,
     /// Where.
     pub at: SurfacePoint,
     /// How the surface scatters, there.
-    pub bsdf: Bsdf,
+    pub bsdf: &'a Bsdf,
     /// The light it is, if it shines.
     pub light: Option<u32>,
     /// Whether the ray came through an index-matched window, across which nothing can be connected.
@@ -74,9 +74,9 @@ pub struct Arrival {
 
 /// Where a ray leads.
 #[derive(Clone, Copy, Debug)]
-pub enum Reached {
+pub enum Reached<'a> {
     /// To a surface.
-    Surface(Arrival),
+    Surface(Arrival<'a>),
     /// Out of the scene.
     Infinity {
         /// Whether it passed an index-matched window.
@@ -110,8 +110,14 @@ impl<A: Accel> Scene<A> {
 
     /// `follow` for those who want surfaces only: `None` out of the scene.
     #[inline]
-    pub fn arrive(&self, ray: Ray, coins: &mut Coins, rays: &mut u64) -> Option<Arrival> {
-        match self.follow(ray, coins, rays) {
+    pub fn arrive<'a>(
+        &'a self,
+        ray: Ray,
+        coins: &mut Coins,
+        rays: &mut u64,
+        varying: &'a mut Bsdf,
+    ) -> Option<Arrival<'a>> {
+        match self.follow(ray, coins, rays, varying) {
             Reached::Surface(arrival) => Some(arrival),
             Reached::Infinity { .. } => None,
         }
@@ -119,31 +125,38 @@ impl<A: Accel> Scene<A> {
 
     /// Follows a ray to the first surface that is there and is not a window, or out of the scene; the number of rays it
     /// took is added to `rays`. The sample's `coins` decide whether a surface that is partly opaque is there, and which
-    /// part of a blend it is.
+    /// part of a blend it is. The model of a surface that is not the same everywhere is put into `varying`; of others the
+    /// arrival refers to the scene's.
     #[inline]
-    pub fn follow(&self, mut ray: Ray, coins: &mut Coins, rays: &mut u64) -> Reached {
+    pub fn follow<'a>(
+        &'a self,
+        mut ray: Ray,
+        coins: &mut Coins,
+        rays: &mut u64,
+        varying: &'a mut Bsdf,
+    ) -> Reached<'a> {
         let mut through_window = false;
         loop {
             *rays += 1;
             let Some(hit) = self.accel.intersect(&ray) else { return Reached::Infinity { through_window } };
             let mut at = self.geometry.surface_point(&ray, &hit);
             let surface = &self.surfaces[at.surface() as usize];
-            let bsdf = match surface.detail {
-                None => surface.bsdf,
-                Some(detail) => match self.details.resolve(detail, &self.geometry, &hit, &mut at, coins) {
-                    Some(bsdf) => bsdf,
-                    None => {
-                        ray = Ray::new(at.origin(ray.d), ray.d);
-                        continue;
-                    }
-                },
-            };
-            if self.needs.windows && bsdf == Bsdf::Null {
+            let mut varies = false;
+            if let Some(detail) = surface.detail {
+                let Some(bsdf) = self.details.resolve(detail, &self.geometry, &hit, &mut at, coins) else {
+                    ray = Ray::new(at.origin(ray.d), ray.d);
+                    continue;
+                };
+                (varies, *varying) = (true, bsdf);
+            }
+            let is_window = |bsdf: &Bsdf| matches!(bsdf, Bsdf::Null);
+            if self.needs.windows && is_window(if varies { varying } else { &surface.bsdf }) {
                 through_window = !planted(Bug::WindowsConnect);
                 ray = Ray::new(at.origin(ray.d), ray.d);
                 continue;
             }
-            return Reached::Surface(Arrival { hit, at, bsdf, light: surface.light, through_window });
+            let bsdf = if varies { &*varying } else { &surface.bsdf };
+            return Reached::Surface(Arrival { geometry: hit.geometry, at, bsdf, light: surface.light, through_window });
         }
     }
 

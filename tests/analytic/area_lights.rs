@@ -253,7 +253,8 @@ fn an_ellipsoid_and_its_tessellation() {
 fn hidden_by_itself<A: Accel>(json: &Value, random: &mut Random) -> usize {
     let scene: Scene<A> = scene_on(json, AccelOptions::default());
     let ray = scene.camera.generate_ray([0, 0], [0.5; 2], [0.5; 2]).ray;
-    let arrival = scene.arrive(ray, &mut Coins::new(0), &mut 0).expect("the receiver");
+    let mut varying = Bsdf::Black;
+    let arrival = scene.arrive(ray, &mut Coins::new(0), &mut 0, &mut varying).expect("the receiver");
     let (at, light) = (&arrival.at, &scene.lights[0]);
     let mut hidden = 0;
     for _ in 0..4000 {

@@ -277,8 +277,9 @@ fn model(surface: Value) -> (Bsdf, SurfacePoint) {
     let view = View { from: DVec3::new(0.1, 0.2, 2.0), at: DVec3::new(0.1, 0.2, 0.0), vfov: 20.0, ..inside() };
     let scene = scene(&scene_json(view.json(), vec![surface], vec![point_light(DVec3::Z * 4.0)]));
     let ray = scene.camera.generate_ray([0, 0], [0.5; 2], [0.5; 2]).ray;
-    let arrival = scene.arrive(ray, &mut Coins::new(0), &mut 0).expect("a surface");
-    (arrival.bsdf, arrival.at)
+    let mut varying = Bsdf::Black;
+    let arrival = scene.arrive(ray, &mut Coins::new(0), &mut 0, &mut varying).expect("a surface");
+    (*arrival.bsdf, arrival.at)
 }
 
 /// A texture that is the same everywhere is the number it holds, in every model.

@@ -4,7 +4,7 @@ use super::connect::EmitterHit;
 use super::mis::{Departure, LightStart};
 use super::{Bdpt, Vertex};
 use crate::accel::Accel;
-use crate::bsdf::{BsdfSample, Transport};
+use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::integrator::light::dimensions as light_dimensions;
 use crate::integrator::path::{camera_ray, dimensions as camera_dimensions};
 use crate::integrator::{Recorder, Roulette};
@@ -44,10 +44,13 @@ impl Bdpt {
         let mut roulette = self.settings.roulette(beta);
         let mut ray = Ray::new(emission.origin, emission.w);
         let mut from = ray.o;
+        let mut varying = Bsdf::Black;
         let mut departure: Option<Departure> = None;
         let mut number = 2;
         while number - 1 <= self.settings.max_bounces {
-            let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light) else { return };
+            let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light, &mut varying) else {
+                return;
+            };
             if self.settings.class.ends_light_subpath(light, number, arrival.through_window) {
                 return;
             }
@@ -61,7 +64,7 @@ impl Bdpt {
                 None => {
                     // Only from here is it known with which density next-event estimation would have found the light;
                     // at a delta vertex it has none.
-                    let bsdf = &arrival.bsdf;
+                    let bsdf = arrival.bsdf;
                     let direct = if bsdf.is_connectible() {
                         let receiver = Receiver::new(&at, wo, bsdf.transmits());
                         scene.pdf_direct(&receiver, id, &emission.point).0
@@ -81,7 +84,7 @@ impl Bdpt {
                     self.mis.arrive(departure, distance_squared(from, at.p()), cos_in, !arrival.through_window)
                 }
             };
-            let vertex = Vertex { at, wo, bsdf: arrival.bsdf, beta, partial, number };
+            let vertex = Vertex { at, wo, bsdf: *arrival.bsdf, beta, partial, number };
             if vertex.bsdf.is_connectible() {
                 self.connect_to_camera(scene, &vertex, &mut sampler, recorder);
                 self.light_vertices.push(vertex);
@@ -120,13 +123,14 @@ impl Bdpt {
         let primary = camera_ray(&scene.camera, pixel, &mut sampler);
         let mut ray = primary.ray;
         let mut receiver = Receiver::anywhere(ray.o);
+        let mut varying = Bsdf::Black;
         let mut beta = Rgb::ONE;
         let mut roulette = self.settings.roulette(beta);
         let mut departure: Option<Departure> = None;
         let mut number = 2;
         loop {
             let wo = -ray.d;
-            let arrival = match scene.follow(ray, &mut coins, &mut recorder.rays.camera) {
+            let arrival = match scene.follow(ray, &mut coins, &mut recorder.rays.camera, &mut varying) {
                 Reached::Surface(arrival) => arrival,
                 Reached::Infinity { through_window } => {
                     if !scene.environments.is_empty() && !self.settings.class.ends_camera_subpath(number, true) {
@@ -158,7 +162,7 @@ impl Bdpt {
                 }
                 Some(departure) => self.mis.arrive(departure, d2, cos_in, !arrival.through_window),
             };
-            let vertex = Vertex { at, wo, bsdf: arrival.bsdf, beta, partial, number };
+            let vertex = Vertex { at, wo, bsdf: *arrival.bsdf, beta, partial, number };
             if let Some(id) = arrival.light {
                 let hit = EmitterHit { point: LightPoint::Surface(at), wo, receiver, beta, partial, number };
                 self.hit_emitter(scene, id, &hit, recorder);

@@ -126,8 +126,9 @@ struct Walk {
 fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &mut Sampler, longest: usize) -> Walk {
     let mut out = Walk { vertices: Vec::new(), escape: None };
     let mut coins = sampler.coins();
+    let mut varying = Bsdf::Black;
     while out.vertices.len() < longest {
-        let arrival = match scene.follow(ray, &mut coins, &mut 0) {
+        let arrival = match scene.follow(ray, &mut coins, &mut 0, &mut varying) {
             Reached::Surface(arrival) => arrival,
             Reached::Infinity { through_window } => {
                 out.escape = Some((ray.d, through_window));
@@ -136,7 +137,7 @@ fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &m
         };
         let mut v = Inner {
             at: arrival.at,
-            bsdf: arrival.bsdf,
+            bsdf: *arrival.bsdf,
             light: arrival.light,
             through_window: arrival.through_window,
             delta: !arrival.bsdf.is_connectible(),
