@@ -79,6 +79,17 @@ impl Accumulator {
         }
     }
 
+    /// Brings pixels (row-major indices) into the cache together, before they are added to one by one: an atomic addition
+    /// that has to wait for its cell holds up all that follow it.
+    #[inline]
+    pub fn touch(&self, pixels: impl Iterator<Item = usize>) {
+        let touched = pixels.fold(0, |sum: u64, pixel| {
+            let [first, _, last] = &self.cells[pixel];
+            sum ^ first[0].load(Ordering::Relaxed) ^ last[1].load(Ordering::Relaxed)
+        });
+        std::hint::black_box(touched);
+    }
+
     /// Adds to a pixel (row-major index).
     #[inline]
     pub fn add(&self, pixel: usize, quanta: Quanta) {

@@ -86,6 +86,9 @@ impl std::error::Error for RenderError {}
 /// Side of a tile in pixels.
 const TILE: u32 = 16;
 
+/// Splats whose pixels are brought into the cache together.
+const SPLATS_TOUCHED: usize = 32;
+
 /// Pixel samples of a tile that one task computes: small enough to share out, large enough to pay for the task.
 const TASK_SAMPLES: u32 = 64;
 
@@ -291,11 +294,14 @@ impl<'a, A: Accel> Run<'a, A> {
                 }
                 let share = || crop.pixels() as f32 / self.region.pixels() as f32;
                 let count = if planted(Bug::SplatCountOfCrop) { share() } else { 1.0 };
-                for splat in recorder.splats() {
-                    let quanta = self.film.quantize(splat.value / count);
-                    self.film.add(splat.pixel as usize, quanta);
-                    if let Some(spread) = &self.spread {
-                        spread.add_splat(splat.pixel as usize, quanta);
+                for splats in recorder.splats().chunks(SPLATS_TOUCHED) {
+                    self.film.touch(splats.iter().map(|splat| splat.pixel as usize));
+                    for splat in splats {
+                        let quanta = self.film.quantize(splat.value / count);
+                        self.film.add(splat.pixel as usize, quanta);
+                        if let Some(spread) = &self.spread {
+                            spread.add_splat(splat.pixel as usize, quanta);
+                        }
                     }
                 }
                 self.techniques.add(recorder.by_technique());
