@@ -97,10 +97,11 @@ impl Sampler {
             SamplerKind::Sobol => {
                 let shuffled = self.shuffled_index(h as u32);
                 let second = (h >> 32) as u32;
-                [
-                    unit(scramble(shuffled, second).reverse_bits()),
-                    unit(scramble(sobol_second(shuffled), second ^ 0x5bd1_e995).reverse_bits()),
-                ]
+                let x = scramble(shuffled, second);
+                let y = scramble(sobol_second(shuffled), second ^ 0x5bd1_e995);
+                // Both reversed at once, which changes their places.
+                let reversed = (u64::from(y) << 32 | u64::from(x)).reverse_bits();
+                [unit((reversed >> 32) as u32), unit(reversed as u32)]
             }
         }
     }
