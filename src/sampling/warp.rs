@@ -8,13 +8,32 @@ use crate::math::Vec3;
 #[inline]
 pub fn concentric_disk(u: [f32; 2]) -> [f32; 2] {
     let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
-    if x == 0.0 && y == 0.0 {
+    let wide = x.abs() > y.abs();
+    let (long, short) = if wide { (x, y) } else { (y, x) };
+    if long == 0.0 {
         return [0.0; 2];
     }
-    let (r, phi) =
-        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (x / y)) };
-    let (sin, cos) = phi.sin_cos();
-    [r * cos, r * sin]
+    let (sin, cos) = sin_cos_eighth(short / long);
+    let (along, across) = (long * cos, long * sin);
+    if wide { [along, across] } else { [across, along] }
+}
+
+/// Sine and cosine of π/4·t for |t| ≤ 1, to 1.2e-7: their Taylor series, of which the first terms left out are 1.8e-9 and
+/// 1.2e-10. In plain arithmetic the result is the same whatever the machine's mathematical library, and takes half its time.
+#[inline]
+fn sin_cos_eighth(t: f32) -> (f32, f32) {
+    let t2 = t * t;
+    let sin = 3.133_616_7e-7_f32;
+    let sin = sin * t2 - 3.657_620_4e-5;
+    let sin = sin * t2 + 2.490_394_6e-3;
+    let sin = sin * t2 - 8.074_551e-2;
+    let sin = (sin * t2 + FRAC_PI_4) * t;
+    let cos = -2.461_137e-8_f32;
+    let cos = cos * t2 + 3.590_860_6e-6;
+    let cos = cos * t2 - 3.259_919e-4;
+    let cos = cos * t2 + 1.585_434_4e-2;
+    let cos = cos * t2 - 3.084_251_4e-1;
+    (sin, cos * t2 + 1.0)
 }
 
 /// A direction around +z with density `cosθ/π` per solid angle (Malley's method).
@@ -97,6 +116,18 @@ mod tests {
 
     fn grid(n: u32) -> impl Iterator<Item = [f32; 2]> {
         (0..n * n).map(move |i| [((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32])
+    }
+
+    #[test]
+    fn the_eighth_turn_is_sine_and_cosine() {
+        let mut worst = 0.0_f64;
+        for i in -100_000..=100_000 {
+            let t = i as f32 / 100_000.0;
+            let (sin, cos) = sin_cos_eighth(t);
+            let (s, c) = (std::f64::consts::FRAC_PI_4 * f64::from(t)).sin_cos();
+            worst = worst.max((f64::from(sin) - s).abs()).max((f64::from(cos) - c).abs());
+        }
+        assert!(worst < 1.2e-7, "{worst:e}");
     }
 
     #[test]

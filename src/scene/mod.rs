@@ -128,13 +128,7 @@ impl<A: Accel> Scene<A> {
     /// part of a blend it is. The model of a surface that is not the same everywhere is put into `varying`; of others the
     /// arrival refers to the scene's.
     #[inline]
-    pub fn follow<'a>(
-        &'a self,
-        mut ray: Ray,
-        coins: &mut Coins,
-        rays: &mut u64,
-        varying: &'a mut Bsdf,
-    ) -> Reached<'a> {
+    pub fn follow<'a>(&'a self, mut ray: Ray, coins: &mut Coins, rays: &mut u64, varying: &'a mut Bsdf) -> Reached<'a> {
         let mut through_window = false;
         loop {
             *rays += 1;
@@ -156,7 +150,13 @@ impl<A: Accel> Scene<A> {
                 continue;
             }
             let bsdf = if varies { &*varying } else { &surface.bsdf };
-            return Reached::Surface(Arrival { geometry: hit.geometry, at, bsdf, light: surface.light, through_window });
+            return Reached::Surface(Arrival {
+                geometry: hit.geometry,
+                at,
+                bsdf,
+                light: surface.light,
+                through_window,
+            });
         }
     }
 

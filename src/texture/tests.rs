@@ -1,6 +1,7 @@
 //! Values at known points.
 
 use super::*;
+use crate::geometry::Place;
 use crate::math::{PointWithError, Vec3};
 
 fn at(p: Vec3, uv: [f32; 2]) -> SurfacePoint {

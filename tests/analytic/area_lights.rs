@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use serde_json::{Value, json};
 use twinlight::accel::{Accel, AccelOptions, bvh::BvhAccel};
+use twinlight::bsdf::Bsdf;
 use twinlight::integrator::{Integrator, Settings};
 use twinlight::math::{DAffine3, DMat3, DVec3, Rgb};
 use twinlight::sampling::Coins;
