@@ -138,26 +138,34 @@ impl LightTree {
         let mut order: Vec<u32> = (0..emitters.len() as u32).collect();
         let mut tree = Self { nodes: Vec::with_capacity(2 * emitters.len() - 1), trails: vec![0; emitters.len()] };
         let total = emitters.iter().map(|e| e.intensity).sum();
-        tree.build(emitters, total, &mut order, 0, 0);
+        let bound = bound_of(emitters, &order)?;
+        tree.build(emitters, total, &mut order, &bound, 0, 0);
         Some(tree)
     }
 
-    /// Appends the tree over the emitters in `order`.
-    fn build(&mut self, emitters: &[EmitterBound], total: f64, order: &mut [u32], trail: u128, depth: u32) {
+    /// Appends the tree over the emitters in `order`, whose bounds are `bound`.
+    fn build(
+        &mut self,
+        emitters: &[EmitterBound],
+        total: f64,
+        order: &mut [u32],
+        bound: &EmitterBound,
+        trail: u128,
+        depth: u32,
+    ) {
         let at = self.nodes.len();
         if let [emitter] = *order {
-            let bound = &emitters[emitter as usize];
             let leaf = Node { link: emitter, ..Node::new(bound, bound.intensity / total, true) };
             self.nodes.push(leaf);
             self.trails[emitter as usize] = trail;
             return;
         }
-        let (bound, middle) = split(emitters, order, depth);
-        self.nodes.push(Node::new(&bound, bound.intensity / total, false));
+        let (middle, bounds) = split(emitters, order, depth);
+        self.nodes.push(Node::new(bound, bound.intensity / total, false));
         let (first, second) = order.split_at_mut(middle);
-        self.build(emitters, total, first, trail, depth + 1);
+        self.build(emitters, total, first, &bounds[0], trail, depth + 1);
         self.nodes[at].link = self.nodes.len() as u32;
-        self.build(emitters, total, second, trail | 1 << depth, depth + 1);
+        self.build(emitters, total, second, &bounds[1], trail | 1 << depth, depth + 1);
     }
 
     /// The probability of going on to the second half of an inner node; `None` where neither half sends anything.
@@ -207,16 +215,19 @@ impl LightTree {
     }
 }
 
-/// Bounds of a group, and its order changed so that the first `middle` of it are one half: by the cheaper of the cuts
-/// between buckets along the longest side of the box of centres.
-fn split(emitters: &[EmitterBound], order: &mut [u32], depth: u32) -> (EmitterBound, usize) {
+/// The bounds of some emitters; `None` of none.
+fn bound_of(emitters: &[EmitterBound], order: &[u32]) -> Option<EmitterBound> {
+    order.iter().map(|i| emitters[*i as usize]).reduce(EmitterBound::union)
+}
+
+/// Divides a group of two or more: its order is changed so that the first of it, whose number is returned, are one half, by
+/// the cheapest of the cuts between buckets along the longest side of the box of centres. The bounds of both halves.
+fn split(emitters: &[EmitterBound], order: &mut [u32], depth: u32) -> (usize, [EmitterBound; 2]) {
     let of = |i: &u32| &emitters[*i as usize];
-    let mut bound = *of(&order[0]);
-    let (mut lo, mut hi) = (bound.center(), bound.center());
-    for i in &order[1..] {
-        bound = bound.union(*of(i));
-        lo = lo.min(of(i).center());
-        hi = hi.max(of(i).center());
+    let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for i in order.iter() {
+        let center = of(i).center();
+        (lo, hi) = (lo.min(center), hi.max(center));
     }
     let extent = hi - lo;
     let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
@@ -240,7 +251,7 @@ fn split(emitters: &[EmitterBound], order: &mut [u32], depth: u32) -> (EmitterBo
             before[k] = so_far;
             so_far = union(so_far, *b);
         }
-        let (mut after, mut best) = (None, (f64::INFINITY, 0_usize));
+        let (mut after, mut best, mut halves) = (None, (f64::INFINITY, 0_usize), None);
         for k in (1..BUCKETS).rev() {
             after = union(after, buckets[k]);
             if let (Some(a), Some(b)) = (before[k], after) {
@@ -248,17 +259,18 @@ fn split(emitters: &[EmitterBound], order: &mut [u32], depth: u32) -> (EmitterBo
                 // Of cuts that cost the same, the one nearest to the middle: emitters in a row need a shallow tree.
                 let nearer = k.abs_diff(BUCKETS / 2) < best.1.abs_diff(BUCKETS / 2);
                 if cost < best.0 || (cost == best.0 && nearer) {
-                    best = (cost, k);
+                    (best, halves) = ((cost, k), Some([a, b]));
                 }
             }
         }
-        if best.1 > 0 {
-            let middle = partition(order, |i| bucket(i) < best.1);
-            return (bound, middle);
+        if let Some(halves) = halves {
+            return (partition(order, |i| bucket(i) < best.1), halves);
         }
     }
     order.select_nth_unstable_by(half, |a, b| (of(a).center()[axis].total_cmp(&of(b).center()[axis])).then(a.cmp(b)));
-    (bound, half)
+    let whole = *of(&order[0]);
+    let [first, second] = [&order[..half], &order[half..]].map(|o| bound_of(emitters, o).unwrap_or(whole));
+    (half, [first, second])
 }
 
 /// Moves what satisfies `first` to the front; returns how many do. Keeps the order within both, so that trees do not

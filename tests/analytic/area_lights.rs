@@ -149,15 +149,8 @@ fn many_triangles_are_the_same_light_as_two() {
     let factor = form_factor(&corners, DVec3::Z);
     let two = shining_mesh(&pose, &corners, &[vec![0, 1, 2, 3]]);
     receives("two triangles", &pose, vec![two], factor, 0.005, 220);
-    // 9 × 7 cells of very different sizes, so that the choice by area counts.
-    let (nx, ny) = (9, 7);
-    let stretch = |i: usize, n: usize| (i as f64 / n as f64).powi(2);
-    let grid: Vec<DVec3> =
-        (0..=ny).flat_map(|j| (0..=nx).map(move |i| (i, j))).map(|(i, j)| at(stretch(i, nx), stretch(j, ny))).collect();
-    let faces: Vec<Vec<usize>> = (0..ny)
-        .flat_map(|j| (0..nx).map(move |i| j * (nx + 1) + i))
-        .map(|k| vec![k, k + 1, k + nx + 2, k + nx + 1])
-        .collect();
+    // Cells of very different sizes, so that the choice by area counts.
+    let (grid, faces) = cells(9, 7, at);
     let many = shining_mesh(&pose, &grid, &faces);
     receives("126 triangles", &pose, vec![many], factor, 0.005, 221);
     // And two lights that are one light's halves.
@@ -165,6 +158,29 @@ fn many_triangles_are_the_same_light_as_two() {
         shining_mesh(&pose, &[at(x, 0.0), at(x + 0.5, 0.0), at(x + 0.5, 1.0), at(x, 1.0)], &[vec![0, 1, 2, 3]])
     });
     receives("two lights", &pose, halves.to_vec(), factor, 0.005, 222);
+}
+
+/// A patch in `nx` × `ny` cells that grow along both sides: corners, and faces of four of them each.
+fn cells(nx: usize, ny: usize, at: impl Fn(f64, f64) -> DVec3) -> (Vec<DVec3>, Vec<Vec<usize>>) {
+    let stretch = |i: usize, n: usize| (i as f64 / n as f64).powi(2);
+    let corners = (0..=ny).flat_map(|j| (0..=nx).map(move |i| (i, j))).map(|(i, j)| at(stretch(i, nx), stretch(j, ny)));
+    let corner = |i: usize, j: usize| j * (nx + 1) + i;
+    let faces = (0..ny)
+        .flat_map(|j| (0..nx).map(move |i| (i, j)))
+        .map(|(i, j)| vec![corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)]);
+    (corners.collect(), faces.collect())
+}
+
+/// A million triangles, the smallest half a millionth of the largest.
+#[test]
+#[ignore = "deep"]
+fn a_million_triangles_are_the_same_light_as_two() {
+    let pose = Random(13).pose(1.0);
+    let frame = facing(DVec3::new(0.2, 0.3, 0.9), DVec3::new(-0.3, -0.2, -1.0));
+    let at = |x: f64, y: f64| frame.transform_point3(DVec3::new(1.2 * x - 0.6, 0.8 * y - 0.4, 0.0));
+    let factor = form_factor(&[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)], DVec3::Z);
+    let (corners, faces) = cells(1000, 500, at);
+    receives("a million triangles", &pose, vec![shining_mesh(&pose, &corners, &faces)], factor, 0.005, 223);
 }
 
 #[test]

@@ -385,7 +385,7 @@ fn classes_keep_out_what_one_side_cannot_make() {
 
 #[test]
 fn everything_by_path_light_and_bdpt() {
-    agree(24, 1 << 7, 9000, 2, 0.03);
+    agree(24, 1 << 8, 9000, 2, 0.03);
 }
 
 #[test]

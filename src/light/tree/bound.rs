@@ -67,6 +67,9 @@ fn angle(a: Vec3, b: Vec3) -> f32 {
 /// A cone around two cones, each with unit axis and half angle [ContyKulla18, algorithm 1].
 fn cone_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
     let (wide, narrow) = if a.1 >= b.1 { (a, b) } else { (b, a) };
+    if wide.1 >= PI {
+        return wide;
+    }
     let between = angle(wide.0, narrow.0);
     // Roundings of angles: the cone must hold what it is said to hold.
     let slack = 1e-5;

@@ -32,7 +32,7 @@ const SHAPES: &[&str] =
 const CAMERAS: &[&str] = &["pinhole", "thin lens", "orthographic"];
 const FILTERS: &[&str] = &["box", "wide box", "tent", "gaussian"];
 const WINDOWS: &[&str] = &["none", "none", "before the lights", "before the camera"];
-const COUNTS: &[&str] = &["one light", "one light", "two lights", "three lights"];
+const COUNTS: &[&str] = &["one light", "one light", "two lights", "three lights", "five lights"];
 
 /// Scattering events that random scenes are rendered with: paths of up to four edges.
 pub const BOUNCES: u32 = 3;
@@ -77,16 +77,26 @@ impl Room<'_> {
         let count = match self.deck.deal("lights", COUNTS) {
             "one light" => 1,
             "two lights" => 2,
-            _ => 3,
+            "three lights" => 3,
+            _ => 5,
         };
         let mut open = false;
         for place in 0..count {
             let kind = self.deck.deal("light", LIGHTS);
             open |= ["directional", "constant", "image"].contains(&kind);
             // Side by side below the ceiling, out of each other's way.
-            let x = [0.0, 0.55, -0.55][place] + self.random.between(-0.1, 0.1);
-            let p = DVec3::new(x, self.random.between(0.5, 0.65), self.random.between(-0.4, 0.3));
+            let x = [0.0, 0.55, -0.55, 0.55, -0.55][place] + self.random.between(-0.1, 0.1);
+            let z = if count == 5 { [0.0, 0.45, 0.45, -0.45, -0.45][place] } else { self.random.between(-0.4, 0.3) };
+            let p = DVec3::new(x, self.random.between(0.5, 0.65), z);
+            let first = self.surfaces.len();
             self.light(kind, p);
+            // The other side shines, onto the ceiling; what is closed shines inwards, and is of no use.
+            let open_shape = ["quad", "quad, two-sided", "disk"].contains(&kind);
+            if open_shape && self.deck.deal("emitting side", &["as it is", "as it is", "flipped"]) == "flipped" {
+                for emitter in &mut self.surfaces[first..] {
+                    emitter["flip_normals"] = json!(true);
+                }
+            }
         }
         self.walls(open);
         for _ in 0..5 {
@@ -209,7 +219,10 @@ impl Room<'_> {
         if spot {
             light["inner_angle"] = json!(inner);
             light["outer_angle"] = json!(outer);
-            light["falloff"] = json!(falloff);
+            match self.deck.deal("spot profile", &["cosine", "angle"]) {
+                "angle" => light["profile"] = json!("angle"),
+                _ => light["falloff"] = json!(falloff),
+            }
         }
         if sugar {
             light["position"] = point(self.pose.transform_point3(p));
