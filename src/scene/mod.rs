@@ -105,6 +105,10 @@ impl<A: Accel> Scene<A> {
     pub fn pdf_direct(&self, receiver: &Receiver, id: u32, point: &LightPoint) -> LightPointPdf {
         let Some(choice) = &self.light_choice else { return LightPointPdf::IMPOSSIBLE };
         let light = &self.lights[id as usize];
+        if planted(Bug::DirectByArea) {
+            let pmf = choice.pmf_direct(receiver, id, light.part_of(point));
+            return light.pdf_emission_position(&self.geometry, point) * pmf;
+        }
         light.pdf_direct(&self.geometry, receiver.p, point) * choice.pmf_direct(receiver, id, light.part_of(point))
     }
 

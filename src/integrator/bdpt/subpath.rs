@@ -9,7 +9,7 @@ use crate::integrator::light::dimensions as light_dimensions;
 use crate::integrator::path::{camera_ray, dimensions as camera_dimensions};
 use crate::integrator::{Recorder, Roulette};
 use crate::light::{LightPoint, Receiver};
-use crate::math::{Ray, Rgb, distance_squared};
+use crate::math::{Ray, Rgb, Vec3, distance_squared};
 use crate::pdf::Pmf;
 use crate::planted::{Bug, planted};
 use crate::sampling::Sampler;
@@ -66,7 +66,10 @@ impl Bdpt {
                     // at a delta vertex it has none.
                     let bsdf = arrival.bsdf;
                     let direct = if bsdf.is_connectible() {
-                        let receiver = Receiver::new(&at, wo, bsdf.transmits());
+                        let receiver = match planted(Bug::OneReceiver) {
+                            true => Receiver::anywhere(Vec3::ZERO),
+                            false => Receiver::new(&at, wo, bsdf.transmits()),
+                        };
                         scene.pdf_direct(&receiver, id, &emission.point).0
                     } else {
                         0.0
