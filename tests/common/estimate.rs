@@ -100,14 +100,16 @@ struct Closest {
 }
 
 /// Prints a row of the table that `scripts/test-deep` makes of all comparisons (docs/VALIDATION.md): `low` and `high` end
-/// the 99 % interval of the relative difference of what was `measured` from what was `expected`, `p` is the smallest.
+/// the 99 % interval of the relative difference of what was `measured` from what was `expected`, `p` is the smallest. The
+/// row bears the name of the test, which a test's thread has.
 #[allow(clippy::too_many_arguments)] // the columns of a table
 pub fn validation_row(file: &str, case: &str, measured: f64, expected: f64, [low, high]: [f64; 2], bound: f64, p: f64) {
     let percent = |x: f64| format!("{:+.3}", 100.0 * x);
     let (low, high, bound) = (percent(low), percent(high), format!("{:.3}", 100.0 * bound));
+    let test = std::thread::current().name().unwrap_or("").to_owned();
     // One string that begins a line: whatever else is printed at the same time stands before or after it.
     let row =
-        format!("\nvalidation\t{file}\t{case}\t{measured:.6e}\t{expected:.6e}\t{low}\t{high}\t{bound}\t{p:.2e}\n");
+        format!("\nvalidation\t{file}\t{test}\t{case}\t{measured:.6e}\t{expected:.6e}\t{low}\t{high}\t{bound}\t{p:.2e}\n");
     let _ = std::io::Write::write_all(&mut std::io::stderr().lock(), row.as_bytes());
 }
 
