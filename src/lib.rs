@@ -1,7 +1,7 @@
 //! Twinlight: bidirectional path tracing with multiple importance sampling on the CPU.
 //!
 //! `ARCHITECTURE.md` is the map. A module imports only from those listed before it:
-//! planted → math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → cli.
+//! planted → math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → stress → cli.
 
 #[allow(unsafe_code)] // The one place that talks to Embree; every block there says why it is sound.
 pub mod accel;
@@ -22,4 +22,5 @@ pub mod planted;
 pub mod render;
 pub mod sampling;
 pub mod scene;
+pub mod stress;
 pub mod texture;

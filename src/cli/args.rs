@@ -33,6 +33,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Convert an image between EXR and PNG
     Convert(ConvertArgs),
+    /// Render scenes at the edge of what numbers can hold, and judge them
+    Stress(StressArgs),
 }
 
 #[derive(Debug, Args)]
@@ -131,6 +133,22 @@ pub struct InfoArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct StressArgs {
+    /// The cases that take seconds, with few samples; the default
+    #[arg(long, conflicts_with = "full")]
+    pub quick: bool,
+    /// All cases, with more samples
+    #[arg(long)]
+    pub full: bool,
+    /// Only cases with one of these texts in their names
+    #[arg(long, value_name = "TEXT")]
+    pub case: Vec<String>,
+    /// Write a report, .html or .json
+    #[arg(short, long, value_name = "REPORT")]
+    pub output: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

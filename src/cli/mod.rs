@@ -11,6 +11,7 @@ mod render;
 mod settings;
 mod sheet;
 mod stats;
+mod stress;
 
 use std::fmt::Display;
 use std::io::Write;
@@ -68,6 +69,7 @@ pub fn run() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Convert(args) => convert::run(&args),
+        Command::Stress(args) => stress::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

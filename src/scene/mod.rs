@@ -1,7 +1,9 @@
 //! Scenes: as written (`desc`), and as rendered (`prepare`, `Scene`).
 
+mod cameras;
 pub mod desc;
 mod detail;
+mod duplicates;
 mod material;
 mod needs;
 mod prepare;

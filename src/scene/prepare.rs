@@ -6,19 +6,22 @@
 
 use std::ops::Range;
 
+use super::cameras::{camera, reach, shears};
 use super::desc::{
-    CameraDesc, Diagnostic, FilterKind, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Param, Place, Projection,
-    SceneDesc, SceneError, ShapeDesc, SpotProfile, SurfaceDesc, is_black,
+    Diagnostic, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Param, Place, SceneDesc, SceneError, ShapeDesc,
+    SpotProfile, SurfaceDesc, is_black,
 };
+use super::duplicates::duplicate_emitters;
 use super::material::rgb;
 use super::{Details, SceneNeeds, Surface, textures};
-use crate::camera::{Camera, Filter, ThinLens};
+use crate::bsdf::Bsdf;
+use crate::camera::Camera;
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
 use crate::light::{
     AreaLight, Cone, DirectionalLight, Emission, Environment, EnvironmentLight, EnvironmentMap, Light, PointLight,
     Profile, SceneBall, SpotLight,
 };
-use crate::math::{DAffine3, DMat3, DVec3, Rgb, Vec3};
+use crate::math::{DAffine3, DVec3, Rgb, Vec3};
 use crate::texture::ToWorld;
 
 /// A scene in render space, before its acceleration structure.
@@ -76,8 +79,8 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     let maps = desc.surfaces.iter().any(|s| s.finish.normal_map.is_some() || s.finish.bump_map.is_some());
     let geometry = Geometry { wants_uv: maps || details.want_uv(), ..Geometry::default() };
     let mut builder = Builder { to_render, scale, geometry, details, ..Builder::default() };
-    for surface in &desc.surfaces {
-        builder.add(desc, surface);
+    for (surface, duplicate) in desc.surfaces.iter().zip(duplicate_emitters(desc)) {
+        if duplicate { builder.pass_over(surface) } else { builder.add(desc, surface) }
     }
     let ball = ball(&builder.geometry);
     for light in &desc.infinite_lights {
@@ -110,64 +113,6 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
 pub fn surface_materials(desc: &SceneDesc) -> Vec<u32> {
     let solid = desc.surfaces.iter().filter(|s| !matches!(s.shape, ShapeDesc::DeltaPoint));
     solid.map(|s| s.material as u32).collect()
-}
-
-/// The camera in render space.
-fn camera(desc: &CameraDesc, to_render: &DAffine3) -> Result<Camera, SceneError> {
-    let [width, height] = desc.resolution;
-    let m = to_render.matrix3;
-    let [sx, sy, sz] = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length);
-    // The scene is about as large as 1: lengths far from it are mistakes, and leave f32.
-    let fits = |what: &str, size: f64, scale: f64, least: f64| {
-        let scaled = size * scale;
-        if (least..=LARGEST_LENGTH).contains(&scaled) {
-            return Ok(());
-        }
-        let message = format!(
-            "the camera's {what} {size} does not suit the size of the scene; allowed: {:e} to {:e}",
-            least / scale,
-            LARGEST_LENGTH / scale
-        );
-        Err(SceneError::one(desc.at.clone(), message))
-    };
-    let camera = match desc.projection {
-        Projection::Perspective { vfov, aperture: 0.0, .. } => Camera::pinhole(to_render, vfov, width, height),
-        Projection::Perspective { vfov, fdist, aperture } => {
-            fits("fdist", fdist, sz, 1.0 / LARGEST_LENGTH)?;
-            fits("aperture", aperture, sx.max(sy), 0.0)?;
-            Camera::thin_lens(to_render, vfov, ThinLens { radius: aperture, focus: fdist }, width, height)
-        }
-        Projection::Orthographic { height: film } => {
-            fits("height", film, sy, 1.0 / LARGEST_LENGTH)?;
-            fits("width", film * f64::from(width) / f64::from(height), sx, 1.0 / LARGEST_LENGTH)?;
-            Camera::orthographic(to_render, film, width, height)
-        }
-    };
-    let radius = desc.filter.radius;
-    Ok(camera.with_filter(match desc.filter.kind {
-        FilterKind::Box => Filter::boxed(radius),
-        FilterKind::Tent => Filter::Tent(radius as f32),
-        FilterKind::Gaussian => Filter::Gaussian(radius as f32),
-    }))
-}
-
-/// The largest length of a camera in render units, and the inverse of the smallest.
-const LARGEST_LENGTH: f64 = 1e6;
-
-/// Whether the axes of a map are not at right angles to each other (to 1e-4 of their lengths).
-fn shears(m: &DMat3) -> bool {
-    let skew = |a: DVec3, b: DVec3| a.dot(b).abs() > 1e-4 * a.length() * b.length();
-    skew(m.x_axis, m.y_axis) || skew(m.y_axis, m.z_axis) || skew(m.z_axis, m.x_axis)
-}
-
-/// How far from a delta point a ray that is aimed at it may start.
-fn reach(camera: &Camera, geometry: &Geometry) -> f32 {
-    let mut farthest = camera.farthest_origin().max(1.0);
-    for point in &geometry.delta_points {
-        farthest = farthest.max(point.position.abs().max_element());
-    }
-    // The diagonal of the box of that half extent.
-    2.0 * 3.0_f32.sqrt() * farthest
 }
 
 /// Centre of the scene's bounds and the power of two that brings their largest half extent into [½, 1).
@@ -317,6 +262,12 @@ impl Builder {
         let models = self.details.models(surface.material);
         self.surfaces.push(Surface { bsdf: models[0], light, detail });
         self.models.extend(models.into_iter().map(|bsdf| Surface { bsdf, light, detail }));
+    }
+
+    /// Leaves out an emitter that is there already; its number stays taken.
+    fn pass_over(&mut self, surface: &SurfaceDesc) {
+        self.warn(surface, "this light is exactly where an earlier one is: it is left out".into());
+        self.surfaces.push(Surface { bsdf: Bsdf::Black, light: None, detail: None });
     }
 
     /// A texture over texture coordinates needs some.

@@ -108,8 +108,9 @@ pub fn validation_row(file: &str, case: &str, measured: f64, expected: f64, [low
     let (low, high, bound) = (percent(low), percent(high), format!("{:.3}", 100.0 * bound));
     let test = std::thread::current().name().unwrap_or("").to_owned();
     // One string that begins a line: whatever else is printed at the same time stands before or after it.
-    let row =
-        format!("\nvalidation\t{file}\t{test}\t{case}\t{measured:.6e}\t{expected:.6e}\t{low}\t{high}\t{bound}\t{p:.2e}\n");
+    let row = format!(
+        "\nvalidation\t{file}\t{test}\t{case}\t{measured:.6e}\t{expected:.6e}\t{low}\t{high}\t{bound}\t{p:.2e}\n"
+    );
     let _ = std::io::Write::write_all(&mut std::io::stderr().lock(), row.as_bytes());
 }
 

@@ -1,0 +1,42 @@
+//! `twinlight stress`: scenes at the edge of what numbers can hold.
+
+use super::args::StressArgs;
+use super::{Failure, count, print, status, tell};
+use crate::output::write_atomically;
+use crate::stress::{self, HEADING};
+
+/// Samples per pixel and seed of a quick run and of a full one.
+const SAMPLES: [u32; 2] = [4, 16];
+
+pub fn run(args: &StressArgs) -> Result<(), Failure> {
+    let html = match &args.output {
+        None => None,
+        Some(path) => match path.extension().and_then(|e| e.to_str()) {
+            Some("html") => Some(true),
+            Some("json") => Some(false),
+            _ => {
+                let path = path.display();
+                return Err(Failure::usage(format!("{path}: a report is an .html or a .json file")));
+            }
+        },
+    };
+    let cases: Vec<_> = (stress::cases(args.full).into_iter())
+        .filter(|case| args.case.is_empty() || args.case.iter().any(|name| case.name.contains(name.as_str())))
+        .collect();
+    if cases.is_empty() {
+        return Err(Failure::usage(format!("no case is named like {:?}", args.case)));
+    }
+    print(&format!("{HEADING}\n"));
+    let hook = std::panic::take_hook();
+    // A panic is a row's verdict.
+    std::panic::set_hook(Box::new(|_| {}));
+    let report = stress::run(&cases, SAMPLES[usize::from(args.full)], &mut |row| print(&format!("{}\n", row.line())));
+    std::panic::set_hook(hook);
+    if let (Some(path), Some(html)) = (&args.output, html) {
+        let text = if html { report.html() } else { format!("{:#}\n", report.json()) };
+        write_atomically(path, text.as_bytes()).map_err(Failure::other)?;
+    }
+    let failures = report.failures();
+    tell(&format!("twinlight: {}, {failures} not as they must be\n", count(report.rows.len(), "row", "rows")));
+    if failures > 0 { Err(Failure::new(status::OTHER, format!("{failures} rows failed"))) } else { Ok(()) }
+}

@@ -1,0 +1,171 @@
+//! Stress: scenes at the edge of what numbers can hold, rendered by each integrator on both accelerators.
+//!
+//! A case is a scene with what it must look like: another scene's image, its very bits, a closed form, nothing at all. Beside
+//! the image's energy are counted: contributions that were not finite before the film's gate, rays that met the primitive they
+//! left, rays that left a closed room.
+
+mod case;
+mod cases;
+mod measure;
+mod report;
+
+pub use case::{Case, Expected};
+pub use cases::cases;
+pub use report::{HEADING, Report, Row};
+
+use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::accel::bvh::BvhAccel;
+#[cfg(feature = "embree")]
+use crate::accel::embree::EmbreeAccel;
+use crate::accel::{Accel, AccelOptions};
+use crate::compare::stats::{Interval, Moments, student_t_two_sided};
+use crate::import::scene_from_str;
+use crate::integrator::{Integrator, Settings};
+use crate::scene::{Scene, prepare};
+
+use measure::{Measured, audit, measure};
+
+/// Independent renders of each side of a comparison.
+const SEEDS: u64 = 16;
+
+/// Confidence of the intervals of energies.
+const CONFIDENCE: f64 = 0.99;
+
+/// p-values below this are evidence of a difference: a report makes some hundreds of comparisons, with fixed seeds.
+const ALPHA: f64 = 1e-5;
+
+/// Relative differences of energies that rounding makes.
+const ROUNDING: f64 = 2e-5;
+
+/// What a scene's renders with one integrator on one accelerator gave.
+type Renders = HashMap<(String, String), Result<Measured, String>>;
+
+/// Runs the cases; `done` hears of each row when it is there.
+pub fn run(cases: &[Case], effort: u32, done: &mut dyn FnMut(&Row)) -> Report {
+    let mut rows = Vec::new();
+    #[cfg(feature = "embree")]
+    run_on::<EmbreeAccel>(cases, effort, &mut rows, done);
+    run_on::<BvhAccel>(cases, effort, &mut rows, done);
+    Report { rows }
+}
+
+fn run_on<A: Accel>(cases: &[Case], effort: u32, rows: &mut Vec<Row>, done: &mut dyn FnMut(&Row)) {
+    // Many cases are compared with one undisturbed scene.
+    let mut renders = Renders::new();
+    for case in cases {
+        let walked = build::<A>(&case.scene).and_then(|scene| guarded(|| audit(&scene, case.closed)));
+        for &integrator in case.integrators {
+            let mut row = Row::new(case, integrator, A::NAME);
+            match &walked {
+                Ok(audit) => row.walked(audit),
+                Err(message) => row.faults.push(message.clone()),
+            }
+            if row.faults.is_empty() || walked.is_ok() {
+                compare::<A>(case, integrator, effort, &mut renders, &mut row);
+            }
+            done(&row);
+            rows.push(row);
+        }
+    }
+}
+
+/// Compares a case's image with what is expected.
+fn compare<A: Accel>(case: &Case, integrator: Integrator, effort: u32, renders: &mut Renders, row: &mut Row) {
+    let mut side = |scene: &Value| -> Result<Measured, String> {
+        let settings =
+            Settings { integrator, max_bounces: case.bounces, roulette: case.roulette, ..Settings::default() };
+        let key = (scene.to_string(), format!("{settings:?} {}", case.effort));
+        if let Some(known) = renders.get(&key) {
+            return known.clone();
+        }
+        let samples = effort * case.effort;
+        let result = build::<A>(scene).and_then(|scene| guarded(|| measure(&scene, settings, samples, SEEDS)));
+        renders.insert(key, result.clone());
+        result
+    };
+    let measured = match side(&case.scene) {
+        Ok(measured) => measured,
+        Err(message) => return row.faults.push(message),
+    };
+    row.rejected = measured.rejected;
+    row.mean = measured.moments().mean();
+    if measured.rejected > 0 {
+        row.faults.push(format!("{} contributions were not finite: {}", measured.rejected, measured.first));
+    }
+    match &case.expected {
+        Expected::Finite => {}
+        Expected::Nothing => {
+            if measured.runs.iter().any(|run| run.mean != 0.0) {
+                row.faults.push("light where there is none".to_owned());
+            }
+        }
+        Expected::Mean(expected) => {
+            let differences = measured.runs.iter().map(|run| run.mean - expected).collect();
+            row.judge(*expected, &differences, case.bound);
+        }
+        Expected::SameAs { scene, times } | Expected::SameBits { scene, times } => match side(scene) {
+            Err(message) => row.faults.push(format!("the undisturbed scene: {message}")),
+            Ok(plain) => {
+                let pairs = measured.runs.iter().zip(&plain.runs);
+                let differences = pairs.map(|(a, b)| a.mean - times * b.mean).collect();
+                row.judge(times * plain.moments().mean(), &differences, case.bound);
+                let exact = matches!(case.expected, Expected::SameBits { .. });
+                if exact && !measured.is_times(&plain, *times) {
+                    row.faults.push("not the same bits".to_owned());
+                }
+            }
+        },
+    }
+}
+
+impl Row {
+    /// Judges the differences of renders with equal seeds from what is expected.
+    fn judge(&mut self, expected: f64, differences: &Moments, bound: f64) {
+        self.expected = Some(expected);
+        if expected == 0.0 {
+            self.faults.push("nothing is seen of the undisturbed scene".to_owned());
+            return;
+        }
+        let (mean, error) =
+            (differences.mean() / expected, (differences.variance() / differences.count() as f64).sqrt() / expected);
+        let interval = if error > 0.0 {
+            differences.confidence_interval(CONFIDENCE).scaled(1.0 / expected)
+        } else {
+            Interval { low: mean, high: mean }
+        };
+        self.energy = Some(interval);
+        if !interval.within(bound) {
+            self.faults.push(format!("energy is not proven within ±{} %", 100.0 * bound));
+        }
+        let excess = (mean.abs() - ROUNDING).max(0.0);
+        let dof = differences.count() as f64 - 1.0;
+        let p = if error > 0.0 { student_t_two_sided(excess / error, dof) } else { f64::from(u8::from(excess == 0.0)) };
+        // Within the bound a difference may be real, where the case says so.
+        if p.is_nan() || (p < ALPHA && excess > 0.2 * bound) {
+            self.faults.push(format!("energy differs, p = {p:.1e}"));
+        }
+    }
+}
+
+/// A scene on an accelerator, or why there is none.
+fn build<A: Accel>(scene: &Value) -> Result<Scene<A>, String> {
+    guarded(|| {
+        let desc = scene_from_str(&scene.to_string(), "stress.json", Path::new("")).map_err(|e| e.to_string())?;
+        let prepared = prepare(&desc).map_err(|e| e.to_string())?;
+        Scene::build(prepared, AccelOptions::default()).map_err(|e| e.to_string())
+    })
+    .and_then(|built| built)
+}
+
+/// A panic is a finding like others.
+fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        format!("panics: {}", text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("without a word"))
+    })
+}

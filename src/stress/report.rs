@@ -1,0 +1,173 @@
+//! What came of it: a table to read, and the same as JSON and HTML.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+
+use super::Case;
+use super::measure::Audit;
+use crate::compare::stats::Interval;
+use crate::integrator::Integrator;
+
+/// A case by one integrator on one accelerator.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Name of the case.
+    pub case: String,
+    /// What is disturbed.
+    pub what: &'static str,
+    /// Name of the integrator.
+    pub integrator: &'static str,
+    /// Name of the accelerator.
+    pub accelerator: &'static str,
+    /// Mean radiance.
+    pub mean: f64,
+    /// What it should be.
+    pub expected: Option<f64>,
+    /// 99 % interval of the relative difference of the energy from what is expected.
+    pub energy: Option<Interval>,
+    /// Contributions that were not finite, before the gate.
+    pub rejected: u64,
+    /// Rays of the audit.
+    pub rays: u64,
+    /// Rays that met the primitive they left.
+    pub self_hits: u64,
+    /// Rays that left a closed room.
+    pub leaks: u64,
+    /// What is wrong; empty when nothing is.
+    pub faults: Vec<String>,
+}
+
+impl Row {
+    pub(super) fn new(case: &Case, integrator: Integrator, accelerator: &'static str) -> Self {
+        Self {
+            case: case.name.clone(),
+            what: case.what,
+            integrator: match integrator {
+                Integrator::Path => "path",
+                Integrator::Light => "light",
+                Integrator::Bdpt => "bdpt",
+            },
+            accelerator,
+            mean: f64::NAN,
+            expected: None,
+            energy: None,
+            rejected: 0,
+            rays: 0,
+            self_hits: 0,
+            leaks: 0,
+            faults: Vec::new(),
+        }
+    }
+
+    pub(super) fn walked(&mut self, audit: &Audit) {
+        (self.rays, self.self_hits, self.leaks) = (audit.rays, audit.self_hits, audit.escapes);
+        if audit.self_hits > 0 {
+            self.faults.push(format!("{} of {} rays meet the primitive they left", audit.self_hits, audit.rays));
+        }
+        if audit.escapes > 0 {
+            self.faults.push(format!("{} of {} rays leave the closed room", audit.escapes, audit.rays));
+        }
+    }
+
+    /// `ok`, or what is wrong.
+    pub fn verdict(&self) -> String {
+        if self.faults.is_empty() { "ok".to_owned() } else { self.faults.join("; ") }
+    }
+
+    fn energy_text(&self) -> String {
+        self.energy.map_or("-".to_owned(), |e| format!("{:+.3} … {:+.3} %", 100.0 * e.low, 100.0 * e.high))
+    }
+
+    /// A line of the table.
+    pub fn line(&self) -> String {
+        format!(
+            "{:<26} {:<6} {:<7} {:>22} {:>4} {:>4} {:>4}  {}",
+            self.case,
+            self.integrator,
+            self.accelerator,
+            self.energy_text(),
+            self.rejected,
+            self.self_hits,
+            self.leaks,
+            self.verdict()
+        )
+    }
+}
+
+/// The heading of the table.
+pub const HEADING: &str = "case                       by     on                      energy  n/f self leak  verdict";
+
+/// All rows.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// In the order in which they were made.
+    pub rows: Vec<Row>,
+}
+
+impl Report {
+    /// How many rows are not as they must be.
+    pub fn failures(&self) -> usize {
+        self.rows.iter().filter(|row| !row.faults.is_empty()).count()
+    }
+
+    /// The report for programs.
+    pub fn json(&self) -> Value {
+        let row = |row: &Row| {
+            json!({
+                "case": row.case,
+                "what": row.what,
+                "integrator": row.integrator,
+                "accelerator": row.accelerator,
+                "mean": row.mean,
+                "expected": row.expected,
+                "energy_low": row.energy.map(|e| e.low),
+                "energy_high": row.energy.map(|e| e.high),
+                "non_finite": row.rejected,
+                "rays": row.rays,
+                "self_hits": row.self_hits,
+                "leaks": row.leaks,
+                "faults": row.faults,
+            })
+        };
+        json!({ "failures": self.failures(), "rows": self.rows.iter().map(row).collect::<Vec<Value>>() })
+    }
+
+    /// The report for people.
+    pub fn html(&self) -> String {
+        let mut out = String::from(concat!(
+            "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>Twinlight stress</title>\n<style>\n",
+            "body { font: 14px sans-serif; margin: 2em } table { border-collapse: collapse }\n",
+            "th, td { padding: .2em .7em; text-align: left; border-bottom: 1px solid #ccc }\n",
+            "td.n { text-align: right } tr.bad { background: #fcc }\n</style>\n<h1>Stress</h1>\n",
+        ));
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "<p>{} rows, {} not as they must be.</p>", self.rows.len(), self.failures());
+        out.push_str(
+            "<table>\n<tr><th>case<th>what<th>by<th>on<th>energy, 99 %<th>not finite<th>self-hits<th>leaks<th>verdict\n",
+        );
+        for row in &self.rows {
+            let class = if row.faults.is_empty() { "" } else { " class=\"bad\"" };
+            let _ = writeln!(
+                out,
+                "<tr{class}><td>{}<td>{}<td>{}<td>{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td>{}",
+                escaped(&row.case),
+                escaped(row.what),
+                row.integrator,
+                row.accelerator,
+                row.energy_text(),
+                row.rejected,
+                row.self_hits,
+                row.leaks,
+                escaped(&row.verdict())
+            );
+        }
+        out.push_str("</table>\n");
+        out
+    }
+}
+
+/// Text for HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
