@@ -60,6 +60,7 @@ bugs! {
     NoEmissionDensity, "no-emission-density", "bdpt's s = 1 takes the emission density of the light for 0";
     DirectByArea, "direct-by-area", "the density of next-event estimation is asked for per area where it samples solid angles";
     OneReceiver, "one-receiver", "light subpaths ask how next-event estimation chooses a light at the origin, not where they arrive";
+    BackForgotten, "back-forgotten", "the light tree takes a group for one-sided where one of its emitters shines on both";
     // Weights.
     Remap0, "remap0", "densities of 0 count as 1 in the ratios of the weights";
     BalanceRecursion, "balance-recursion", "partial sums of the power heuristic go on by ratio × (sum + 1), without squares";

@@ -111,8 +111,8 @@ fn the_delta_points_own_index_changes_nothing() {
     }
 }
 
-/// One technique rendered alone is, bit by bit, that technique's part of a render of all: nothing but the recording
-/// depends on which are asked for.
+/// One technique rendered alone is that technique's part of a render of all, but for the order of f32 sums: nothing but the
+/// recording depends on which are asked for.
 #[test]
 fn a_technique_alone_is_its_part_of_all() {
     let scene = scene(&everything());

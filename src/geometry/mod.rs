@@ -10,7 +10,7 @@ mod tangents;
 
 pub use delta_point::DeltaPoint;
 pub use quadric::{Quadric, QuadricKind};
-pub use surface_point::{Place, SurfacePoint};
+pub use surface_point::{SurfacePoint, SurfaceTag};
 pub use tangents::Tangents;
 
 use crate::math::Vec3;

@@ -12,18 +12,25 @@ pub struct SurfacePoint {
     pub ng: Vec3,
     /// Unit shading normal, in the hemisphere of `ng`.
     pub ns: Vec3,
-    /// Where on which surface.
-    pub place: Place,
+    /// Which surface, and where on it.
+    pub tag: SurfaceTag,
 }
 
 /// Surface, primitive and texture coordinates of a point.
 ///
 /// Four numbers in one register: points are passed on by copying, sixteen bytes at a time, and a copy that spans several
 /// narrower stores has to wait for all of them to reach the cache (measured: 8 % of a path tracer's time).
-#[derive(Clone, Copy, Debug)]
-pub struct Place(Vec4);
+#[derive(Clone, Copy)]
+pub struct SurfaceTag(Vec4);
 
-impl Place {
+impl std::fmt::Debug for SurfaceTag {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [surface, primitive] = [self.0.x.to_bits(), self.0.y.to_bits()];
+        write!(f, "surface {surface}, primitive {primitive}, uv ({}, {})", self.0.z, self.0.w)
+    }
+}
+
+impl SurfaceTag {
     /// `surface` is an index into the scene's surfaces, `primitive` one within the kind of geometry the point lies on
     /// (`Geometry::triangles`, `Geometry::quadrics`), `uv` texture coordinates: zero in a scene without textures over
     /// them, and on meshes without coordinates.
@@ -37,25 +44,25 @@ impl SurfacePoint {
     /// Index into the scene's surfaces.
     #[inline(always)]
     pub fn surface(&self) -> u32 {
-        self.place.0.x.to_bits()
+        self.tag.0.x.to_bits()
     }
 
     /// Index within the kind of geometry it lies on (`Geometry::triangles`, `Geometry::quadrics`).
     #[inline(always)]
     pub fn primitive(&self) -> u32 {
-        self.place.0.y.to_bits()
+        self.tag.0.y.to_bits()
     }
 
     /// Texture coordinates; zero in a scene without textures over them, and on meshes without coordinates.
     #[inline(always)]
     pub fn uv(&self) -> [f32; 2] {
-        [self.place.0.z, self.place.0.w]
+        [self.tag.0.z, self.tag.0.w]
     }
 
     /// The point with other texture coordinates.
     #[inline]
     pub fn with_uv(self, uv: [f32; 2]) -> Self {
-        Self { place: Place::new(self.surface(), self.primitive(), uv), ..self }
+        Self { tag: SurfaceTag::new(self.surface(), self.primitive(), uv), ..self }
     }
 
     /// Position, render space.
@@ -138,7 +145,7 @@ impl Geometry {
             point: PointWithError { p: pa + pb + pc, error },
             ng,
             ns,
-            place: Place::new(self.triangle_surface[triangle as usize], triangle, uv),
+            tag: SurfaceTag::new(self.triangle_surface[triangle as usize], triangle, uv),
         }
     }
 
@@ -153,7 +160,7 @@ impl Geometry {
             point: PointWithError { p, error },
             ng: n,
             ns: n,
-            place: Place::new(self.quadric_surface[quadric as usize], quadric, uv),
+            tag: SurfaceTag::new(self.quadric_surface[quadric as usize], quadric, uv),
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::planted::{Bug, planted};
 /// for it is undone on the way out of the medium.
 ///
 /// The first few scatterings are free of it: ending paths at once costs more variance than it saves rays. On the
-/// Cornell scenes efficiency per ray peaks near the values below (sweep 0…6, 32 spp: docs/PERFORMANCE.md).
+/// Cornell scenes efficiency per ray peaks near the values below (sweep 0…6, 16 spp: docs/PERFORMANCE.md).
 #[derive(Clone, Copy, Debug)]
 pub struct Roulette {
     enabled: bool,

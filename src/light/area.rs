@@ -5,7 +5,7 @@ mod direct;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use crate::geometry::{Geometry, Place, Quadric, QuadricKind, SurfacePoint, triangle_area};
+use crate::geometry::{Geometry, Quadric, QuadricKind, SurfacePoint, SurfaceTag, triangle_area};
 use crate::math::{DMat3, DVec3, Frame, PointWithError, Rgb, Vec2, Vec3, gamma};
 use crate::pdf::{AreaPdf, SolidAnglePdf};
 use crate::planted::{Bug, planted};
@@ -177,7 +177,7 @@ impl AreaLight {
         let error = (corner.abs() + edges[0].abs() + edges[1].abs()) * gamma(16);
         let point = PointWithError { p: *corner + a + b, error };
         let uv = (uv[0] + uv[1] * u[0] + uv[2] * u[1]).to_array();
-        Some(SurfacePoint { point, ng: *normal, ns: *normal, place: Place::new(self.surface, *first, uv) })
+        Some(SurfacePoint { point, ng: *normal, ns: *normal, tag: SurfaceTag::new(self.surface, *first, uv) })
     }
 
     /// Density with which `sample_point` chooses the point `p` of this light.

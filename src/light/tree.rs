@@ -18,8 +18,8 @@ const BUCKETS: usize = 12;
 /// Depth beyond which groups are halved by number, which bounds the depth by 40 + log₂ n ≤ 64 + 8.
 const DEEPEST_SORTED: u32 = 40;
 
-/// The least cosine at the receiver that an emitter above its horizon is counted with: shading normals and lobes do not
-/// follow the geometric cosine.
+/// The least cosine, at either end, that an emitter which shines on the receiver is counted with: at the receiver shading
+/// normals and lobes do not follow the geometric cosine, at the emitter the bounds know it to a rounding only.
 const LEAST_COSINE: f32 = 0.05;
 
 /// The least d² that an emitter is counted with: intensities are shares, so that all that is divided by it fits an f32.
@@ -221,7 +221,8 @@ fn bound_of(emitters: &[EmitterBound], order: &[u32]) -> Option<EmitterBound> {
 }
 
 /// Divides a group of two or more: its order is changed so that the first of it, whose number is returned, are one half, by
-/// the cheapest of the cuts between buckets along the longest side of the box of centres. The bounds of both halves.
+/// the cheapest of the cuts between buckets along the longest side of the box of centres; two emitters, those of one place and
+/// those too deep for that are halved by number. With the bounds of both halves.
 fn split(emitters: &[EmitterBound], order: &mut [u32], depth: u32) -> (usize, [EmitterBound; 2]) {
     let of = |i: &u32| &emitters[*i as usize];
     let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -268,9 +269,8 @@ fn split(emitters: &[EmitterBound], order: &mut [u32], depth: u32) -> (usize, [E
         }
     }
     order.select_nth_unstable_by(half, |a, b| (of(a).center()[axis].total_cmp(&of(b).center()[axis])).then(a.cmp(b)));
-    let whole = *of(&order[0]);
-    let [first, second] = [&order[..half], &order[half..]].map(|o| bound_of(emitters, o).unwrap_or(whole));
-    (half, [first, second])
+    let union = |o: &[u32]| o[1..].iter().fold(*of(&o[0]), |b, i| b.union(*of(i)));
+    (half, [union(&order[..half]), union(&order[half..])])
 }
 
 /// Moves what satisfies `first` to the front; returns how many do. Keeps the order within both, so that trees do not

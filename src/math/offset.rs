@@ -43,8 +43,8 @@ pub fn offset_origin(point: PointWithError, ng: Vec3, towards: Vec3) -> Vec3 {
 /// The next float on the side of `direction`'s sign; `x` itself where that is zero.
 ///
 /// Without branches, for signs of coordinates and normals are a coin's: floats in the order of their values are
-/// consecutive integers once the magnitude bits of negative ones are inverted. From +0 down it is −0: the float beyond is one
-/// that the processor takes for zero.
+/// consecutive integers once the magnitude bits of negative ones are inverted. From ±0 it may be the
+/// other zero: the float beyond is one that the processor takes for zero.
 #[inline]
 fn round_away(x: f32, direction: f32) -> f32 {
     let ordered = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
@@ -91,6 +91,9 @@ mod tests {
 
     #[test]
     fn rounding_away_is_the_next_float_on_that_side() {
+        for direction in [0.3, -0.3] {
+            assert!([0.0, -0.0].iter().all(|x| round_away(*x, direction).abs() <= f32::from_bits(1)));
+        }
         for x in [0.0, 1.0, -1.0, 1e-45, -1e-45, f32::MIN_POSITIVE, 1e30, -1e30, -0.999_999_94] {
             assert_eq!(round_away(x, 0.3).to_bits(), next_up(x).to_bits());
             assert_eq!(round_away(x, 0.0).to_bits(), x.to_bits());

@@ -1,12 +1,12 @@
 //! Values at known points.
 
 use super::*;
-use crate::geometry::Place;
+use crate::geometry::SurfaceTag;
 use crate::math::{PointWithError, Vec3};
 
 fn at(p: Vec3, uv: [f32; 2]) -> SurfacePoint {
     let point = PointWithError { p, error: Vec3::ZERO };
-    SurfacePoint { point, ng: Vec3::Z, ns: Vec3::Z, place: Place::new(0, 0, uv) }
+    SurfacePoint { point, ng: Vec3::Z, ns: Vec3::Z, tag: SurfaceTag::new(0, 0, uv) }
 }
 
 const A: Texture = Texture::Constant(Rgb::new(1.0, 2.0, 3.0));

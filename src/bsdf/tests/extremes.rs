@@ -136,3 +136,24 @@ fn what_cannot_be_told_from_smooth_is_smooth() {
 fn a_bsdf_stays_small() {
     assert!(size_of::<Bsdf>() <= 48, "{}", size_of::<Bsdf>());
 }
+
+/// Where `chooses_lobe` says no, the integrators draw no number: `sample` must not look at it. Where it says yes, it does.
+#[test]
+fn lobes_are_chosen_where_it_is_said() {
+    let mut choosing = 0;
+    for (name, bsdf) in extreme().into_iter().chain(models()) {
+        let mut differs = false;
+        for degrees in [0.0, 20.0, 60.0, 80.0] {
+            for u in [[0.2, 0.3], [0.7, 0.1], [0.5, 0.9]] {
+                let sample = |lobe| {
+                    let s = bsdf.sample(&flat(), direction(degrees, 0.4), lobe, u, Transport::Radiance);
+                    s.map(|s| (s.wi.to_array().map(f32::to_bits), s.weight.to_array().map(f32::to_bits), s.delta))
+                };
+                differs |= sample(0.0) != sample(LAST);
+            }
+        }
+        assert!(bsdf.chooses_lobe() || !differs, "{name}: a lobe is chosen by a number that is not drawn");
+        choosing += u32::from(differs);
+    }
+    assert!(choosing > 10, "only {choosing} models choose");
+}

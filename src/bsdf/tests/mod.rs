@@ -7,7 +7,7 @@ mod sampling;
 mod symmetry;
 
 use super::{Bsdf, Distribution, Empirical, Masking, Plastic, Reflectance, Shape};
-use crate::geometry::{Place, SurfacePoint};
+use crate::geometry::{SurfacePoint, SurfaceTag};
 use crate::math::{PointWithError, Rgb, Vec3};
 use crate::sampling::{Sampler, SamplerKind, Stream};
 
@@ -17,7 +17,7 @@ const LAST: f32 = 1.0 - f32::EPSILON / 2.0;
 /// A point with the given normals; `flat` when they are the same.
 fn point(ng: Vec3, ns: Vec3) -> SurfacePoint {
     let point = PointWithError { p: Vec3::ZERO, error: Vec3::ZERO };
-    SurfacePoint { point, ng, ns, place: Place::new(0, 0, [0.0; 2]) }
+    SurfacePoint { point, ng, ns, tag: SurfaceTag::new(0, 0, [0.0; 2]) }
 }
 
 /// A flat point that faces z.

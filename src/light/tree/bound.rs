@@ -3,6 +3,7 @@
 use std::f32::consts::PI;
 
 use crate::math::Vec3;
+use crate::planted::{Bug, planted};
 
 /// Bounds of emitters in space and direction [ContyKulla18, section 4].
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +35,10 @@ impl EmitterBound {
             axis,
             theta_normals,
             theta_reach: self.theta_reach.max(o.theta_reach),
-            two_sided: self.two_sided || o.two_sided,
+            two_sided: match planted(Bug::BackForgotten) {
+                true => self.two_sided && o.two_sided,
+                false => self.two_sided || o.two_sided,
+            },
             intensity: self.intensity + o.intensity,
         }
     }
@@ -78,6 +82,10 @@ fn cone_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
     }
     let half = 0.5 * (wide.1 + between + narrow.1) + slack;
     let across = (narrow.0 - wide.0 * wide.0.dot(narrow.0)).normalize_or_zero();
+    if across == Vec3::ZERO && wide.0.dot(narrow.0) > 0.0 {
+        // The same axis but for rounding.
+        return (wide.0, half.min(PI));
+    }
     if half >= PI || across == Vec3::ZERO {
         return (wide.0, PI);
     }

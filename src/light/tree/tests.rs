@@ -29,7 +29,7 @@ fn emitters(n: usize, seed: u64) -> Vec<EmitterBound> {
             let size = if i % 3 == 0 { Vec3::splat(0.1 * r.next()) } else { Vec3::ZERO };
             let (theta_normals, theta_reach) = match i % 3 {
                 0 => (0.0, 0.5 * PI),
-                1 => (0.0, 0.2 + r.next()),
+                1 => (0.2 + r.next(), 0.0),
                 _ => (PI, 0.5 * PI),
             };
             let intensity = f64::powf(10.0, 6.0 * f64::from(r.next()) - 3.0);
@@ -104,7 +104,8 @@ fn what_shines_on_the_receiver_has_a_chance() {
             let y = b.lo + (b.hi - b.lo) * Vec3::new(r.next(), r.next(), r.next());
             let w = (y - receiver.p).normalize();
             let theta = angle_between(-w, b.axis);
-            let shines = b.theta_normals == PI || theta < b.theta_reach || (b.two_sided && PI - theta < b.theta_reach);
+            let reach = b.theta_normals + b.theta_reach;
+            let shines = b.theta_normals == PI || theta < reach || (b.two_sided && PI - theta < reach);
             let faces = receiver.n == Vec3::ZERO || w.dot(receiver.n) > 0.0;
             if shines && faces {
                 shining += 1;
@@ -113,6 +114,39 @@ fn what_shines_on_the_receiver_has_a_chance() {
         }
     }
     assert!(shining > 10_000, "{shining}");
+}
+
+/// The bounds of every node hold all that lies beneath it.
+fn holds(tree: &LightTree, emitters: &[EmitterBound], at: usize) -> Vec<u32> {
+    let node = &tree.nodes[at];
+    let beneath = match node.leaf {
+        true => vec![node.link],
+        false => [holds(tree, emitters, at + 1), holds(tree, emitters, node.link as usize)].concat(),
+    };
+    for &e in &beneath {
+        let b = &emitters[e as usize];
+        for corner in 0..8 {
+            let choose = |k: usize| if corner >> k & 1 == 0 { b.lo[k] } else { b.hi[k] };
+            let p = Vec3::new(choose(0), choose(1), choose(2));
+            assert!(p.distance_squared(Vec3::from_array(node.center)) <= node.radius2, "node {at}, emitter {e}: {p}");
+        }
+        let wide = node.cos_normals.acos() + 1e-3;
+        let needed = angle_between(Vec3::from_array(node.axis), b.axis) + b.theta_normals;
+        assert!(wide >= needed || wide >= PI, "node {at}, emitter {e}: a cone of {wide} for {needed}");
+        assert!(node.cos_reach <= b.theta_reach.cos() && (node.two_sided || !b.two_sided), "node {at}, emitter {e}");
+    }
+    beneath
+}
+
+#[test]
+fn nodes_hold_what_lies_beneath_them() {
+    let place = emitters(2, 1)[0];
+    for all in [emitters(700, 5), emitters(2, 8), vec![place; 50]] {
+        let tree = LightTree::new(&all).expect("some emitters");
+        let mut found = holds(&tree, &all, 0);
+        found.sort_unstable();
+        assert_eq!(found, (0..all.len() as u32).collect::<Vec<_>>());
+    }
 }
 
 fn angle_between(a: Vec3, b: Vec3) -> f32 {

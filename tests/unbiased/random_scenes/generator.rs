@@ -90,9 +90,9 @@ impl Room<'_> {
             let p = DVec3::new(x, self.random.between(0.5, 0.65), z);
             let first = self.surfaces.len();
             self.light(kind, p);
-            // The other side shines, onto the ceiling; what is closed shines inwards, and is of no use.
-            let open_shape = ["quad", "quad, two-sided", "disk"].contains(&kind);
-            if open_shape && self.deck.deal("emitting side", &["as it is", "as it is", "flipped"]) == "flipped" {
+            // The other side shines, onto the ceiling; a ball would shine inwards, and be of no use.
+            let has_sides = ["quad", "disk", "mesh"].contains(&kind);
+            if has_sides && self.deck.deal("emitting side", &["as it is", "as it is", "flipped"]) == "flipped" {
                 for emitter in &mut self.surfaces[first..] {
                     emitter["flip_normals"] = json!(true);
                 }

@@ -152,7 +152,7 @@ fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &m
     out
 }
 
-/// An open box with an area light, a spot and a point light, a sky and a sun, a mirror, something that shines within
+/// An open box with area lights, one of them a mesh, a spot and a point light, a sky and a sun, a mirror, something that shines within
 /// glass, a glass sphere, a frosted one, lacquer, a curved mesh, a window, a cut-out screen, a blend of mirror and diffuse,
 /// and a wall of bent normals.
 const SCENE: &str = r#"{
@@ -186,7 +186,9 @@ const SCENE: &str = r#"{
   {"type": "triangle", "positions": [[-1.2, -1, -0.8], [0, -0.8, -1], [-0.6, 0.4, -0.9]],
    "normals": [[-0.4, 0, 1], [0.5, 0.1, 1], [0, 0.5, 1]], "material": "white"},
   {"type": "disk", "radius": 0.4, "transform": [{"rotate": [90, 1, 0, 0]}, {"translate": [0.3, 1.3, 0.2]}], "material": "lamp"},
-  {"type": "sphere", "radius": 0.2, "transform": {"translate": [-0.9, 0.9, -0.6]}, "material": "lamp"}
+  {"type": "sphere", "radius": 0.2, "transform": {"translate": [-0.9, 0.9, -0.6]}, "material": "lamp"},
+  {"type": "mesh", "positions": [[0, 0, 0.15], [0.25, 0.2, 0], [-0.2, 0.2, 0], [-0.2, -0.25, 0], [0.2, -0.2, 0]],
+   "indices": [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]], "transform": {"translate": [1.1, 0.3, -1.1]}, "material": "lamp"}
  ],
  "lights": [
   {"type": "point", "position": [0.9, 0.8, 0.7], "intensity": [2, 3, 4]},
