@@ -28,6 +28,8 @@ mod mistakes;
 mod options;
 #[path = "cli/render.rs"]
 mod render;
+#[path = "cli/stress.rs"]
+mod stress;
 #[path = "cli/techniques.rs"]
 mod techniques;
 

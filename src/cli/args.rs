@@ -146,7 +146,7 @@ pub struct StressArgs {
     /// Only cases with one of these texts in their names
     #[arg(long, value_name = "TEXT")]
     pub case: Vec<String>,
-    /// Write a report, .html or .json
+    /// Write a report, .html, .json or .md
     #[arg(short, long, value_name = "REPORT")]
     pub output: Option<PathBuf>,
 }

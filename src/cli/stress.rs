@@ -9,14 +9,15 @@ use crate::stress::{self, HEADING};
 const SAMPLES: [u32; 2] = [4, 16];
 
 pub fn run(args: &StressArgs) -> Result<(), Failure> {
-    let html = match &args.output {
+    let format = match &args.output {
         None => None,
         Some(path) => match path.extension().and_then(|e| e.to_str()) {
-            Some("html") => Some(true),
-            Some("json") => Some(false),
+            Some(format @ ("html" | "json" | "md")) => Some((path, format)),
             _ => {
                 let path = path.display();
-                return Err(Failure::usage(format!("{path}: a report is an .html or a .json file")));
+                return Err(Failure::usage(format!(
+                    "{path}: a report is an .html, .json or .md file; give it such a name"
+                )));
             }
         },
     };
@@ -24,7 +25,9 @@ pub fn run(args: &StressArgs) -> Result<(), Failure> {
         .filter(|case| args.case.is_empty() || args.case.iter().any(|name| case.name.contains(name.as_str())))
         .collect();
     if cases.is_empty() {
-        return Err(Failure::usage(format!("no case is named like {:?}", args.case)));
+        let names: Vec<String> = stress::cases(args.full).into_iter().map(|case| case.name).collect();
+        let wanted = args.case.join(", ");
+        return Err(Failure::usage(format!("no case is named like {wanted}; there are: {}", names.join("; "))));
     }
     print(&format!("{HEADING}\n"));
     let hook = std::panic::take_hook();
@@ -32,11 +35,19 @@ pub fn run(args: &StressArgs) -> Result<(), Failure> {
     std::panic::set_hook(Box::new(|_| {}));
     let report = stress::run(&cases, SAMPLES[usize::from(args.full)], &mut |row| print(&format!("{}\n", row.line())));
     std::panic::set_hook(hook);
-    if let (Some(path), Some(html)) = (&args.output, html) {
-        let text = if html { report.html() } else { format!("{:#}\n", report.json()) };
+    if let Some((path, format)) = format {
+        let text = match format {
+            "html" => report.html(),
+            "md" => report.markdown(),
+            _ => format!("{:#}\n", report.json()),
+        };
         write_atomically(path, text.as_bytes()).map_err(Failure::other)?;
     }
     let failures = report.failures();
-    tell(&format!("twinlight: {}, {failures} not as they must be\n", count(report.rows.len(), "row", "rows")));
-    if failures > 0 { Err(Failure::new(status::OTHER, format!("{failures} rows failed"))) } else { Ok(()) }
+    let rows = count(report.rows.len(), "row", "rows");
+    if failures > 0 {
+        return Err(Failure::new(status::OTHER, format!("{failures} of {rows} are not as they must be")));
+    }
+    tell(&format!("twinlight: {rows}, all as they must be\n"));
+    Ok(())
 }

@@ -94,8 +94,9 @@ impl SurfacePoint {
 }
 
 /// Roundings relative to a segment's length that bound how far from its far end the traversal finds the surface: one
-/// for the direction `b − a`, the rest for vertices taken relative to the origin and for the distance along the ray.
-const SEGMENT_ROUNDINGS: u32 = 8;
+/// for the direction `b − a`, the rest for vertices taken relative to the origin and for the distance along the ray. More
+/// would let light through sheets close before a lamp: 16 ulps of their coordinate have to keep it out.
+const SEGMENT_ROUNDINGS: u32 = 6;
 
 /// Roundings, relative to the corners, that bound the distance between a point interpolated from barycentrics and the
 /// plane the traversal intersects: 7 for the interpolation (Pharr et al. 2023, (6.26)), the rest for the traversal's own

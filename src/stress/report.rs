@@ -133,6 +133,35 @@ impl Report {
         json!({ "failures": self.failures(), "rows": self.rows.iter().map(row).collect::<Vec<Value>>() })
     }
 
+    /// The report as a page of the documents.
+    pub fn markdown(&self) -> String {
+        let mut out = String::from(
+            "# Stress\n\nMade by `twinlight stress --full -o docs/STRESS.md`; not to be edited. Each case is a scene at the edge of \
+             what numbers can\nhold, with what it must look like; its energy is compared over 16 seeds. *Not finite* counts \
+             contributions before the\nfilm's gate, *self-hits* rays that met the primitive they left, *leaks* rays that left a \
+             closed room.\n\n",
+        );
+        let _ = writeln!(out, "{} rows, {} not as they must be.\n", self.rows.len(), self.failures());
+        out.push_str("| case | what | by | on | energy, 99 % | not finite | self-hits | leaks | verdict |\n");
+        out.push_str("|---|---|---|---|---|---|---|---|---|\n");
+        for row in &self.rows {
+            let _ = writeln!(
+                out,
+                "| {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+                row.case,
+                row.what,
+                row.integrator,
+                row.accelerator,
+                row.energy_text(),
+                row.rejected,
+                row.self_hits,
+                row.leaks,
+                row.verdict()
+            );
+        }
+        out
+    }
+
     /// The report for people.
     pub fn html(&self) -> String {
         let mut out = String::from(concat!(

@@ -23,23 +23,24 @@ fn point(intensity: f64) -> Value {
     json!({ "type": "point light", "emit": intensity })
 }
 
-/// Where the camera does not see it: behind, and above.
-const PLACE: [f64; 3] = [0.05, 0.6, 0.96];
+/// Where the camera does not see it: behind, and above; in numbers of few bits, beside which a lamp of 2⁻²⁰ is exact in f32.
+const PLACE: [f64; 3] = [0.0625, 0.625, 0.96875];
 
 fn tiny(all: &mut Vec<Case>) {
     // I(θ) = L A cosθ: a spot whose intensity falls as the cosine from its axis to a right angle.
-    let small = quad([1e-6; 2], 90.0, X, PLACE, shining(1e12));
+    let side = (-20.0_f64).exp2();
+    let small = quad([side; 2], 90.0, X, PLACE, shining(1.0 / (side * side)));
     let cosine = json!({ "type": "spot light", "emit": 1, "inner_angle": 0, "outer_angle": 90, "falloff": 1 });
     let below = [PLACE[0], -1.0, PLACE[2]];
     let expected =
         Expected::SameAs { scene: lit(vec![delta_toward(PLACE, below, [0.0, 0.0, 1.0], cosine)]), times: 1.0 };
-    let what = "a lamp of area 10⁻¹² against a point with its intensity, L A cosθ";
-    all.push(Case::new("tiny quad", what, lit(vec![small]), expected).closed().samples(4).within(0.02));
+    let what = "a lamp of area 2⁻⁴⁰ against a point with its intensity, L A cosθ";
+    all.push(Case::new("tiny quad", what, lit(vec![small]), expected).closed().samples(64).within(0.02));
     let radius = 1e-6_f64;
     let small = ball(PLACE, radius, shining(1.0 / (std::f64::consts::PI * radius * radius)));
     let expected = Expected::SameAs { scene: lit(vec![delta(PLACE, point(1.0))]), times: 1.0 };
     let what = "a shining ball of radius 10⁻⁶ against a point with its intensity, L π R²";
-    all.push(Case::new("tiny ball", what, lit(vec![small]), expected).closed().samples(4).within(0.02));
+    all.push(Case::new("tiny ball", what, lit(vec![small]), expected).closed().samples(64).within(0.02));
 }
 
 fn bright(all: &mut Vec<Case>) {
@@ -66,9 +67,10 @@ fn delta_points(all: &mut Vec<Case>) {
     let up = json!({ "type": "spot light", "emit": 1, "inner_angle": 90, "outer_angle": 90 });
     let at = [0.5, -1.0, 0.3];
     let above = delta_toward([at[0], -1.0 + 1e-4, at[2]], [at[0], 1.0, at[2]], [0.0, 0.0, 1.0], up);
+    // Which rays within a degree of the floor belong to which side is a matter of its rounding: half a percent of them all.
     let what = "a point of light on the floor, against the upper half of one just above it";
     let case = Case::new("point on the floor", what, lit(vec![delta(at, point(1.0))]), same(vec![above], 1.0));
-    all.push(case.closed().samples(4).within(0.02));
+    all.push(case.closed().samples(64).within(0.05));
     let spot = |inner: f64, outer: f64| {
         let light = json!({ "type": "spot light", "emit": 1, "inner_angle": inner, "outer_angle": outer });
         lit(vec![delta_toward(PLACE, [PLACE[0], -1.0, PLACE[2]], [0.0, 0.0, 1.0], light)])
@@ -76,7 +78,7 @@ fn delta_points(all: &mut Vec<Case>) {
     all.push(Case::new("spot 30° hard", "a spot without a rim", spot(30.0, 30.0), Expected::Finite).closed());
     all.push(Case::new("spot 90° hard", "a spot that is half a point", spot(90.0, 90.0), Expected::Finite).closed());
     let what = "a spot that is a whole point";
-    all.push(Case::new("spot 180° hard", what, spot(180.0, 180.0), same(one, 1.0)).closed().samples(16).within(0.02));
+    all.push(Case::new("spot 180° hard", what, spot(180.0, 180.0), same(one, 1.0)).closed().samples(64).within(0.02));
     all.push(Case::new("spot 0°", "a spot of no width", spot(0.0, 0.0), Expected::Nothing).closed());
     all.push(
         Case::new("spot 1e-4°", "a spot of a ten-thousandth of a degree", spot(0.0, 1e-4), Expected::Finite).closed(),

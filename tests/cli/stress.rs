@@ -1,0 +1,36 @@
+//! `stress`: its table, its reports, and names that it does not know.
+
+use super::Folder;
+
+#[test]
+fn reports_hold_what_the_table_does() {
+    let folder = Folder::new("stress");
+    for report in ["r.json", "r.html", "r.md"] {
+        let outcome = folder.ok(&["stress", "--case", "no area", "--case", "spot 0°", "-o", report]);
+        // Two cases by three integrators, on each accelerator there is.
+        let rows = if cfg!(feature = "embree") { 12 } else { 6 };
+        assert_eq!(outcome.stdout.lines().count(), rows + 1, "{}", outcome.stdout);
+        assert!(outcome.stdout.lines().skip(1).all(|line| line.ends_with("  ok")), "{}", outcome.stdout);
+        assert_eq!(outcome.stderr, format!("twinlight: {rows} rows, all as they must be\n"));
+    }
+    let json = folder.json("r.json");
+    let rows = json["rows"].as_array().unwrap();
+    assert!(json["failures"] == 0 && rows.iter().all(|row| row["faults"].as_array().unwrap().is_empty()), "{json}");
+    assert!(rows.iter().any(|row| row["case"] == "no area" && row["energy_low"] == 0.0 && row["rays"] != 0), "{json}");
+    for page in ["r.html", "r.md"] {
+        let text = std::fs::read_to_string(folder.path(page)).unwrap();
+        assert_eq!(text.matches("spot 0°").count(), rows.len() / 2, "{text}");
+    }
+}
+
+#[test]
+fn unknown_cases_and_reports_are_usage_errors() {
+    let folder = Folder::new("stress_usage");
+    let outcome = folder.run(&["stress", "--case", "nothing like it"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(outcome.stderr.starts_with("twinlight: no case is named like nothing like it; there are: scale 2^-20; "));
+    let outcome = folder.run(&["stress", "-o", "report.txt"]);
+    assert_eq!(outcome.status, Some(2));
+    assert_eq!(outcome.stderr, "twinlight: report.txt: a report is an .html, .json or .md file; give it such a name\n");
+    assert!(outcome.stdout.is_empty() && folder.names().is_empty());
+}
