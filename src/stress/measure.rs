@@ -6,6 +6,7 @@ use crate::accel::Accel;
 use crate::bsdf::{Bsdf, Transport};
 use crate::compare::stats::Moments;
 use crate::geometry::GeometryKind;
+use crate::integrator::bdpt::oracle::{Judge, Seen};
 use crate::integrator::path::camera_ray;
 use crate::integrator::{Crop, PixelSample, Recorder, SampleLoop, Settings};
 use crate::math::Ray;
@@ -86,6 +87,15 @@ pub fn measure<A: Accel>(scene: &Scene<A>, settings: Settings, samples: u32, see
         first: all.iter().find_map(|(_, _, first)| first.clone()).unwrap_or_default(),
         runs: all.into_iter().map(|(run, ..)| run).collect(),
     }
+}
+
+/// Paths that the weights of are judged.
+const JUDGED: u32 = 20_000;
+
+/// Judges the weights of random paths by their densities multiplied out.
+pub fn weights<A: Accel>(scene: &Scene<A>, settings: Settings) -> Seen {
+    let judge = Judge::new(scene, settings);
+    (0..JUDGED).into_par_iter().map(|index| Seen::path(&judge, index)).reduce(Seen::default, Seen::merge)
 }
 
 /// What the walks saw.

@@ -2,7 +2,7 @@
 //!
 //! A case is a scene with what it must look like: another scene's image, its very bits, a closed form, nothing at all. Beside
 //! the image's energy are counted: contributions that were not finite before the film's gate, rays that met the primitive they
-//! left, rays that left a closed room.
+//! left, rays that left a closed room; and for `bdpt` how far the weights of a path are from summing to one.
 
 mod case;
 mod cases;
@@ -25,10 +25,11 @@ use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
 use crate::compare::stats::{Interval, Moments, student_t_two_sided};
 use crate::import::scene_from_str;
+use crate::integrator::bdpt::oracle::Seen;
 use crate::integrator::{Integrator, Settings};
 use crate::scene::{Scene, prepare};
 
-use measure::{Measured, audit, measure};
+use measure::{Measured, audit, measure, weights};
 
 /// Independent renders of each side of a comparison.
 const SEEDS: u64 = 16;
@@ -38,6 +39,12 @@ const CONFIDENCE: f64 = 0.99;
 
 /// p-values below this are evidence of a difference: a report makes some hundreds of comparisons, with fixed seeds.
 const ALPHA: f64 = 1e-5;
+
+/// How far from 1 the weights of a path may sum.
+const WEIGHTS: f64 = 1e-4;
+
+/// How far a weight may be off by itself: by what lobes of 10⁻⁴ make of a direction's rounding.
+const WEIGHT: f64 = 2e-2;
 
 /// Relative differences of energies that rounding makes.
 const ROUNDING: f64 = 2e-5;
@@ -65,8 +72,14 @@ fn run_on<A: Accel>(cases: &[Case], effort: u32, rows: &mut Vec<Row>, done: &mut
                 Ok(audit) => row.walked(audit),
                 Err(message) => row.faults.push(message.clone()),
             }
-            if row.faults.is_empty() || walked.is_ok() {
+            if walked.is_ok() {
                 compare::<A>(case, integrator, effort, &mut renders, &mut row);
+                if integrator == Integrator::Bdpt {
+                    row.weigh(
+                        build::<A>(&case.scene)
+                            .and_then(|scene| guarded(|| weights(&scene, settings(case, integrator)))),
+                    );
+                }
             }
             done(&row);
             rows.push(row);
@@ -74,11 +87,15 @@ fn run_on<A: Accel>(cases: &[Case], effort: u32, rows: &mut Vec<Row>, done: &mut
     }
 }
 
+/// What a case is rendered with.
+fn settings(case: &Case, integrator: Integrator) -> Settings {
+    Settings { integrator, max_bounces: case.bounces, roulette: case.roulette, ..Settings::default() }
+}
+
 /// Compares a case's image with what is expected.
 fn compare<A: Accel>(case: &Case, integrator: Integrator, effort: u32, renders: &mut Renders, row: &mut Row) {
     let mut side = |scene: &Value| -> Result<Measured, String> {
-        let settings =
-            Settings { integrator, max_bounces: case.bounces, roulette: case.roulette, ..Settings::default() };
+        let settings = settings(case, integrator);
         let key = (scene.to_string(), format!("{settings:?} {}", case.effort));
         if let Some(known) = renders.get(&key) {
             return known.clone();
@@ -124,6 +141,25 @@ fn compare<A: Accel>(case: &Case, integrator: Integrator, effort: u32, renders: 
 }
 
 impl Row {
+    /// Takes over what was seen of the weights.
+    fn weigh(&mut self, seen: Result<Seen, String>) {
+        let seen = match seen {
+            Ok(seen) => seen,
+            Err(message) => return self.faults.push(format!("weights: {message}")),
+        };
+        if seen.paths > 0 {
+            self.weights = Some(seen.worst_sum);
+            // A NaN is a fault.
+            if !(seen.worst_sum <= WEIGHTS && seen.worst_weight <= WEIGHT) {
+                let (sum, weight) = (seen.worst_sum, seen.worst_weight);
+                self.faults.push(format!("Σw − 1 up to {sum:.1e}, a weight off by {weight:.1e}"));
+            }
+        }
+        if let Some(fault) = seen.failure.filter(|f| f.starts_with("the choice") || f.starts_with("densities")) {
+            self.faults.push(fault.chars().take(100).collect());
+        }
+    }
+
     /// Judges the differences of renders with equal seeds from what is expected.
     fn judge(&mut self, expected: f64, differences: &Moments, bound: f64) {
         self.expected = Some(expected);

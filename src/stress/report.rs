@@ -34,6 +34,8 @@ pub struct Row {
     pub self_hits: u64,
     /// Rays that left a closed room.
     pub leaks: u64,
+    /// The largest |Σw − 1| of `bdpt`'s paths.
+    pub weights: Option<f64>,
     /// What is wrong; empty when nothing is.
     pub faults: Vec<String>,
 }
@@ -56,6 +58,7 @@ impl Row {
             rays: 0,
             self_hits: 0,
             leaks: 0,
+            weights: None,
             faults: Vec::new(),
         }
     }
@@ -79,10 +82,14 @@ impl Row {
         self.energy.map_or("-".to_owned(), |e| format!("{:+.3} … {:+.3} %", 100.0 * e.low, 100.0 * e.high))
     }
 
+    fn weights_text(&self) -> String {
+        self.weights.map_or("-".to_owned(), |w| format!("{w:.1e}"))
+    }
+
     /// A line of the table.
     pub fn line(&self) -> String {
         format!(
-            "{:<26} {:<6} {:<7} {:>22} {:>4} {:>4} {:>4}  {}",
+            "{:<26} {:<6} {:<7} {:>22} {:>4} {:>4} {:>4} {:>8}  {}",
             self.case,
             self.integrator,
             self.accelerator,
@@ -90,13 +97,15 @@ impl Row {
             self.rejected,
             self.self_hits,
             self.leaks,
+            self.weights_text(),
             self.verdict()
         )
     }
 }
 
 /// The heading of the table.
-pub const HEADING: &str = "case                       by     on                      energy  n/f self leak  verdict";
+pub const HEADING: &str =
+    "case                       by     on                      energy  n/f self leak     Σw−1  verdict";
 
 /// All rows.
 #[derive(Clone, Debug)]
@@ -127,6 +136,7 @@ impl Report {
                 "rays": row.rays,
                 "self_hits": row.self_hits,
                 "leaks": row.leaks,
+                "weights": row.weights,
                 "faults": row.faults,
             })
         };
@@ -139,15 +149,15 @@ impl Report {
             "# Stress\n\nMade by `twinlight stress --full -o docs/STRESS.md`; not to be edited. Each case is a scene at the edge of \
              what numbers can\nhold, with what it must look like; its energy is compared over 16 seeds. *Not finite* counts \
              contributions before the\nfilm's gate, *self-hits* rays that met the primitive they left, *leaks* rays that left a \
-             closed room.\n\n",
+             closed room, *Σw − 1*\nhow far the weights of 20 000 random paths are from summing to one at the worst.\n\n",
         );
         let _ = writeln!(out, "{} rows, {} not as they must be.\n", self.rows.len(), self.failures());
-        out.push_str("| case | what | by | on | energy, 99 % | not finite | self-hits | leaks | verdict |\n");
-        out.push_str("|---|---|---|---|---|---|---|---|---|\n");
+        out.push_str("| case | what | by | on | energy, 99 % | not finite | self-hits | leaks | Σw − 1 | verdict |\n");
+        out.push_str("|---|---|---|---|---|---|---|---|---|---|\n");
         for row in &self.rows {
             let _ = writeln!(
                 out,
-                "| {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+                "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
                 row.case,
                 row.what,
                 row.integrator,
@@ -156,6 +166,7 @@ impl Report {
                 row.rejected,
                 row.self_hits,
                 row.leaks,
+                row.weights_text(),
                 row.verdict()
             );
         }
@@ -173,13 +184,13 @@ impl Report {
         // Writing to a String cannot fail.
         let _ = writeln!(out, "<p>{} rows, {} not as they must be.</p>", self.rows.len(), self.failures());
         out.push_str(
-            "<table>\n<tr><th>case<th>what<th>by<th>on<th>energy, 99 %<th>not finite<th>self-hits<th>leaks<th>verdict\n",
+            "<table>\n<tr><th>case<th>what<th>by<th>on<th>energy, 99 %<th>not finite<th>self-hits<th>leaks<th>Σw − 1<th>verdict\n",
         );
         for row in &self.rows {
             let class = if row.faults.is_empty() { "" } else { " class=\"bad\"" };
             let _ = writeln!(
                 out,
-                "<tr{class}><td>{}<td>{}<td>{}<td>{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td>{}",
+                "<tr{class}><td>{}<td>{}<td>{}<td>{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td>{}",
                 escaped(&row.case),
                 escaped(row.what),
                 row.integrator,
@@ -188,6 +199,7 @@ impl Report {
                 row.rejected,
                 row.self_hits,
                 row.leaks,
+                row.weights_text(),
                 escaped(&row.verdict())
             );
         }

@@ -7,8 +7,7 @@
 
 mod connect;
 mod mis;
-#[cfg(test)]
-mod oracle;
+pub mod oracle;
 mod subpath;
 mod vertex;
 

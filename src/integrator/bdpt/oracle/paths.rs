@@ -1,14 +1,13 @@
-//! The paths that are judged: real subpaths of a box with every kind of light and surface, joined at random.
+//! The paths that are judged: real subpaths, joined at random.
 
-use crate::accel::bvh::BvhAccel;
+use crate::accel::Accel;
 use crate::bsdf::{Bsdf, Transport};
 use crate::camera::{CameraSample, LensNumbers};
 use crate::geometry::SurfacePoint;
 use crate::light::LightPoint;
-use crate::math::{DMat3, Ray, Vec3, distance_squared};
+use crate::math::{Ray, Vec3, distance_squared};
 use crate::sampling::{Sampler, SamplerKind, Stream};
-use crate::scene::desc::{InfiniteLightDesc, InfiniteLightKind, Place};
-use crate::scene::{Reached, Scene, prepare};
+use crate::scene::{Reached, Scene};
 
 /// A vertex between the light and the camera.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +59,7 @@ impl FullPath {
     }
 
     /// The camera as the last vertex before it sees it; `None` out of view.
-    pub fn lens(&self, scene: &Scene<BvhAccel>) -> Option<CameraSample> {
+    pub fn lens<A: Accel>(&self, scene: &Scene<A>) -> Option<CameraSample> {
         if self.inner.is_empty() && matches!(self.start, LightPoint::Infinite(_)) {
             return None;
         }
@@ -68,13 +67,13 @@ impl FullPath {
     }
 
     /// Puts the camera's end where the lens says: parallel rays start opposite what they see.
-    fn with_lens(mut self, scene: &Scene<BvhAccel>) -> Option<Self> {
+    fn with_lens<A: Accel>(mut self, scene: &Scene<A>) -> Option<Self> {
         self.camera = self.lens(scene)?.p;
         Some(self)
     }
 
     /// Squared length of the edge between vertices `i` and `i + 1`; 1 where the density of an edge has no 1/d².
-    pub fn distance_squared(&self, scene: &Scene<BvhAccel>, i: usize) -> f64 {
+    pub fn distance_squared<A: Accel>(&self, scene: &Scene<A>, i: usize) -> f64 {
         if i == self.inner.len() {
             return scene.camera.edge_d2(self.camera, self.point(i));
         }
@@ -84,7 +83,7 @@ impl FullPath {
 
     /// What connections along the edges that were walked let through, from either end: by edge. Where it is
     /// nothing, techniques do not make the same paths; where the ends disagree, they do not measure the same.
-    pub fn visibilities(&self, scene: &Scene<BvhAccel>) -> Vec<[f32; 2]> {
+    pub fn visibilities<A: Accel>(&self, scene: &Scene<A>) -> Vec<[f32; 2]> {
         let k = self.inner.len() + 1;
         let seen = |ray: &Ray| scene.visibility(ray, &mut 0);
         let at = |i: usize| &self.inner[i - 1].at;
@@ -104,7 +103,7 @@ impl FullPath {
     /// Relative error that the rounding of stored points causes at delta vertices: that of a direction is ε over the
     /// edge's length; Snell's law, cosθt² = 1 − (1 − cosθo²)/η², hands it on to the other cosine as
     /// d cosθt/cosθt = cosθo d cosθo/(η² cosθt²).
-    pub fn condition(&self, scene: &Scene<BvhAccel>) -> f64 {
+    pub fn condition<A: Accel>(&self, scene: &Scene<A>) -> f64 {
         let mut sum = 0.0;
         for (i, v) in (1..).zip(&self.inner).filter(|(_, v)| v.delta) {
             for (end, edge) in [(i - 1, i - 1), (i + 1, i)] {
@@ -123,7 +122,7 @@ struct Walk {
 }
 
 /// Walks on from a ray, keeping every vertex.
-fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &mut Sampler, longest: usize) -> Walk {
+fn walk<A: Accel>(scene: &Scene<A>, mut ray: Ray, transport: Transport, sampler: &mut Sampler, longest: usize) -> Walk {
     let mut out = Walk { vertices: Vec::new(), escape: None };
     let mut coins = sampler.coins();
     let mut varying = Bsdf::Black;
@@ -152,81 +151,15 @@ fn walk(scene: &Scene<BvhAccel>, mut ray: Ray, transport: Transport, sampler: &m
     out
 }
 
-/// An open box with area lights, one of them a mesh, a spot and a point light, a sky and a sun, a mirror, something that shines within
-/// glass, a glass sphere, a frosted one, lacquer, a curved mesh, a window, a cut-out screen, a blend of mirror and diffuse,
-/// and a wall of bent normals.
-const SCENE: &str = r#"{
- "camera": {"transform": {"from": [0, 0, 3.2], "at": [0, 0, 0], "up": [0, 1, 0]}, "resolution": [32, 24], @},
- "materials": [
-  {"name": "white", "type": "lambertian", "albedo": [0.8, 0.7, 0.6], "two_sided": true},
-  {"name": "glow", "type": "lambertian", "albedo": 0.4, "two_sided": true, "emit": [0.2, 0.1, 0.3]},
-  {"name": "glass", "type": "dielectric", "ior": 1.6},
-  {"name": "mirror", "type": "mirror", "albedo": 0.9},
-  {"name": "frosted", "type": "dielectric", "ior": 1.4, "roughness": 0.3},
-  {"name": "lacquer", "type": "plastic", "albedo": [0.6, 0.3, 0.2], "roughness": 0, "two_sided": true},
-  {"name": "window", "type": "null"},
-  {"name": "worn", "type": "blend", "a": "white", "b": {"type": "mirror", "albedo": 0.8},
-   "amount": {"type": "checker", "scale": 9, "even": 0.05, "odd": 0.15}},
-  {"name": "lamp", "type": "diffuse light", "emit": [6, 5, 4]}
- ],
- "surfaces": [
-  {"type": "quad", "size": 4, "transform": {"translate": [0, 0, -1.5]}, "material": "white",
-   "normal_map": {"type": "checker", "scale": 5, "even": [0.65, 0.45, 0.95], "odd": [0.4, 0.6, 0.95]}},
-  {"type": "quad", "size": 4, "transform": [{"rotate": [-90, 1, 0, 0]}, {"translate": [0, -1.2, 0]}], "material": "glow"},
-  {"type": "quad", "size": 4, "transform": [{"rotate": [90, 1, 0, 0]}, {"translate": [0, 1.4, 0]}], "material": "white"},
-  {"type": "quad", "size": 4, "transform": [{"rotate": [90, 0, 1, 0]}, {"translate": [-1.6, 0, 0]}], "material": "mirror"},
-  {"type": "quad", "size": 4, "transform": [{"rotate": [-90, 0, 1, 0]}, {"translate": [1.6, 0, 0]}], "material": "worn"},
-  {"type": "sphere", "radius": 0.5, "transform": {"translate": [0.5, -0.4, 0.3]}, "material": "glass"},
-  {"type": "sphere", "radius": 0.2, "transform": {"translate": [0.5, -0.4, 0.3]}, "material": "glow"},
-  {"type": "sphere", "radius": 0.3, "transform": {"translate": [-0.6, -0.7, 0.5]}, "material": "frosted"},
-  {"type": "quad", "size": 1, "transform": [{"rotate": [40, 0, 1, 0]}, {"translate": [-0.3, 0.7, -0.9]}], "material": "lacquer"},
-  {"type": "quad", "size": 0.9, "transform": [{"rotate": [30, 1, 0, 0]}, {"translate": [0.7, 0.5, 0.5]}], "material": "white",
-   "opacity": {"type": "checker", "scale": 15, "even": 0.7, "odd": 0.2}},
-  {"type": "quad", "size": 1.2, "transform": {"translate": [-0.6, 0.2, 0.4]}, "material": "window"},
-  {"type": "triangle", "positions": [[-1.2, -1, -0.8], [0, -0.8, -1], [-0.6, 0.4, -0.9]],
-   "normals": [[-0.4, 0, 1], [0.5, 0.1, 1], [0, 0.5, 1]], "material": "white"},
-  {"type": "disk", "radius": 0.4, "transform": [{"rotate": [90, 1, 0, 0]}, {"translate": [0.3, 1.3, 0.2]}], "material": "lamp"},
-  {"type": "sphere", "radius": 0.2, "transform": {"translate": [-0.9, 0.9, -0.6]}, "material": "lamp"},
-  {"type": "mesh", "positions": [[0, 0, 0.15], [0.25, 0.2, 0], [-0.2, 0.2, 0], [-0.2, -0.25, 0], [0.2, -0.2, 0]],
-   "indices": [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]], "transform": {"translate": [1.1, 0.3, -1.1]}, "material": "lamp"}
- ],
- "lights": [
-  {"type": "point", "position": [0.9, 0.8, 0.7], "intensity": [2, 3, 4]},
-  {"type": "directional", "direction": [0.3, -0.5, -1], "irradiance": [0.3, 0.2, 0.1]},
-  {"type": "constant", "radiance": [0.02, 0.03, 0.04]},
-  {"type": "spot", "position": [-0.5, 1.1, 0.9], "at": [0, -1, 0], "intensity": 9, "inner_angle": 20, "outer_angle": 45}
- ]
-}"#;
-
-/// The cameras that the box is seen through.
-pub const PINHOLE: &str = r#""vfov": 50"#;
-pub const THIN_LENS: &str = r#""vfov": 50, "fdist": 2.5, "aperture": 0.3, "filter": {"type": "gaussian"}"#;
-pub const ORTHOGRAPHIC: &str = r#""type": "orthographic", "height": 2.4, "filter": {"type": "tent"}"#;
-
-/// That box, prepared, on the pure-Rust BVH.
-pub fn scene(camera: &str) -> Scene<BvhAccel> {
-    let mut desc = crate::import::scene_from_str(&SCENE.replace('@', camera), "oracle.json", std::path::Path::new("."))
-        .expect("valid scene");
-    // A coarse sky, some of it black, with texels between which the density varies a hundredfold.
-    let texel = |i: u32| {
-        if i % 5 == 0 { [0.0; 3] } else { [0.002, 0.02, 0.2].map(|x| x * (0.1 + f64::from(i * 7 % 11)) as f32) }
-    };
-    let texels = (0..32).map(texel).collect();
-    let transform = DMat3::from_rotation_z(0.7) * DMat3::from_rotation_x(0.3);
-    let kind = InfiniteLightKind::Image { size: [8, 4], texels, transform };
-    desc.infinite_lights.push(InfiniteLightDesc { kind, at: Place::default() });
-    Scene::build(prepare(&desc).expect("preparable"), Default::default()).expect("buildable")
-}
-
 /// The vertices of a random light and a random camera subpath, joined at a random pair.
-pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
+pub fn random_path<A: Accel>(scene: &Scene<A>, index: u32) -> Option<FullPath> {
     let mut u = Sampler::new(SamplerKind::Independent, 77, 0, Stream::Light(0), index);
     let (light, _) = scene.light_choice.as_ref()?.sample_emission(u.next_f64());
     let emission =
         scene.lights[light as usize].sample_emission(&scene.geometry, u.next_f64(), u.next_2d(), u.next_2d())?;
     let ray = Ray::new(emission.origin, emission.w);
     let mut light_walk = walk(scene, ray, Transport::Importance, &mut u, 5).vertices;
-    let pixel = [(u.next_1d() * 32.0) as u32, (u.next_1d() * 24.0) as u32];
+    let pixel = scene.camera.resolution().map(|n| ((u.next_1d() * n as f32) as u32).min(n - 1));
     let film = u.next_2d();
     let numbers = if scene.camera.needs_numbers() {
         LensNumbers { lens: u.next_2d(), pixel: u.next_2d() }
@@ -243,6 +176,9 @@ pub fn random_path(scene: &Scene<BvhAccel>, index: u32) -> Option<FullPath> {
     let by_chance = u.next_1d() < 0.33;
     if let (true, Some((toward, through_window))) = (by_chance, escape) {
         let environments = &scene.environments;
+        if environments.is_empty() {
+            return None;
+        }
         let light = environments[(u.next_1d() * environments.len() as f32) as usize];
         let windows = [through_window].into_iter().chain(camera_walk.iter().rev().map(|v| v.through_window)).collect();
         let inner = camera_walk.into_iter().rev().collect();
