@@ -56,7 +56,7 @@ fn what_is_wrong_is_told() {
         (Case::new("open", "", room(1.0), Expected::Finite).closed(), "leave the closed room"),
         (Case::new("bad", "", bad, Expected::Finite), "material"),
     ] {
-        let report = run(&[case.clone()], QUICK, &mut |_| {});
+        let report = run(std::slice::from_ref(&case), QUICK, &mut |_| {});
         for row in &report.rows {
             let told = row.verdict();
             let as_wanted = if fault.is_empty() { told == "ok" } else { told.contains(fault) };
