@@ -71,5 +71,5 @@ fn caustics_by_light_and_by_camera() {
 #[test]
 #[ignore = "deep"]
 fn caustics_looked_at_closely() {
-    agree(&[1.5, 1.0 / 1.5], 1 << 16, [0.0, 0.005, 0.006, 0.0075, 0.0125], 780);
+    agree(&[1.5, 1.0 / 1.5], 1 << 17, [0.0, 0.005, 0.006, 0.0075, 0.0125], 780);
 }
