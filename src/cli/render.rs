@@ -63,6 +63,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     for warning in &prepared.warnings {
         say(args, &format!("warning: {warning}"));
     }
+    if desc.samples == 1 && AovArg::wanted(&args.aovs).contains(&Aov::Variance) {
+        say(args, "note: the variance of one sample per pixel cannot be told and is written as 0; use --spp 2 or more");
+    }
     let materials = surface_materials(&desc);
     // The meshes have been taken over into render space: not twice in memory for the whole render.
     desc.surfaces = Vec::new();

@@ -323,3 +323,14 @@ fn what_is_not_finite_is_told_and_the_image_written() {
     );
     assert!(folder.image("hot.exr").rgb.iter().flatten().all(|c| c.is_finite()));
 }
+
+/// One sample has no variance, and a zero would look like an image without noise.
+#[test]
+fn the_variance_of_one_sample_is_said_to_be_none() {
+    let folder = Folder::with_room("one_sample");
+    let told = |spp: &str| {
+        let args = ["render", "room.json", "--spp", spp, "--aovs", "variance", "-o", "v.exr"];
+        folder.ok(&args).stderr.contains("note: the variance of one sample per pixel cannot be told")
+    };
+    assert!(told("1") && !told("2"));
+}
