@@ -32,6 +32,8 @@ mod render;
 mod stress;
 #[path = "cli/techniques.rs"]
 mod techniques;
+#[path = "cli/trace.rs"]
+mod trace;
 
 /// A room with a lamp in view and a mirror ball: every technique has something to find. 16 × 12 pixels, 4 samples.
 const ROOM: &str = r#"{

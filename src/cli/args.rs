@@ -124,6 +124,15 @@ pub struct RenderArgs {
         value_parser = whole(1, 64)
     )]
     pub pyramid_edges: Option<u32>,
+    /// Replay one sample and print every vertex, density and weight of it, for this pixel; no file is written
+    #[arg(long, requires = "pixel")]
+    pub trace: bool,
+    /// The pixel to replay, counted from 0,0 at the top left (with --trace)
+    #[arg(long, value_name = "x,y", requires = "trace", allow_hyphen_values = true)]
+    pub pixel: Option<PixelArg>,
+    /// The sample to replay, counted from 0 [default: 0] (with --trace)
+    #[arg(long, value_name = "N", requires = "trace", allow_negative_numbers = true, value_parser = whole(0, u32::MAX))]
+    pub sample: Option<u32>,
 }
 
 #[derive(Debug, Args)]
@@ -352,6 +361,18 @@ impl FromStr for CropArg {
             )),
             _ => Err("write it as x0,y0,x1,y1 in pixels, for example 0,0,64,64".into()),
         }
+    }
+}
+
+/// `x,y`.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelArg(pub [u32; 2]);
+
+impl FromStr for PixelArg {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = text.split_once(',').and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+        parsed.map(Self).ok_or_else(|| "write it as x,y in pixels, for example 12,40".into())
     }
 }
 

@@ -12,6 +12,7 @@ mod settings;
 mod sheet;
 mod stats;
 mod stress;
+mod trace;
 
 use std::fmt::Display;
 use std::io::Write;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::args::{AccelArg, AovArg, RenderArgs};
 use super::progress::{Reporter, duration};
 use super::settings::{black_technique, departures, idle_options, name, override_desc, pyramid_edges, settings};
-use super::{Failure, memory, print, pyramid, same_file, stats, status, tell};
+use super::{Failure, memory, print, pyramid, same_file, stats, status, tell, trace};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
 use crate::accel::embree::EmbreeAccel;
@@ -44,7 +44,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     if args.scene.is_dir() {
         load(&args.scene)?;
     }
-    let outputs = outputs(args)?;
+    // A replay writes nothing, whatever the command wrote that it is added to.
+    let outputs = if args.trace { Vec::new() } else { outputs(args)? };
 
     let start = Instant::now();
     let mut desc = load(&args.scene)?;
@@ -52,6 +53,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     phases.parse = start.elapsed();
     let crop = crop(args, desc.camera.resolution)?;
     let settings = settings(&desc, args)?;
+    let replay = trace::wanted(args, &desc)?;
     memory::check(args, crop, kept_edges(args), AOV_EDGES)?;
 
     let start = Instant::now();
@@ -65,6 +67,14 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     if desc.samples == 1 && AovArg::wanted(&args.aovs).contains(&Aov::Variance) {
         say(args, "note: the variance of one sample per pixel cannot be told and is written as 0; use --spp 2 or more");
+    }
+    if let Some(sample) = replay {
+        let (names, scene) = (trace::Names::of(&desc), args.scene.display().to_string());
+        return match args.accel {
+            #[cfg(feature = "embree")]
+            AccelArg::Embree => trace::run::<EmbreeAccel>(prepared, settings, sample, &names, &scene),
+            AccelArg::Bvh => trace::run::<BvhAccel>(prepared, settings, sample, &names, &scene),
+        };
     }
     let materials = surface_materials(&desc);
     // The meshes have been taken over into render space: not twice in memory for the whole render.
@@ -329,6 +339,12 @@ fn verdict(rendered: &Rendered, seed: u64) -> Result<(), Failure> {
         message += &format!(
             "\n  pixel {},{} sample {} technique ({},{}) seed {seed}",
             r.pixel[0], r.pixel[1], r.sample, r.technique.s, r.technique.t
+        );
+    }
+    if let Some(r) = rendered.rejected_first.first() {
+        message += &format!(
+            "\nto see how one comes about, add --trace --pixel {},{} --sample {} to the command",
+            r.pixel[0], r.pixel[1], r.sample
         );
     }
     Err(Failure::new(status::NON_FINITE, message))

@@ -1,11 +1,12 @@
 //! Light tracing: light subpaths, every vertex connected to the camera (techniques t = 1).
 
-use super::{PixelSample, Recorder, Settings};
+use super::trace::{Arrived, End, Made, Step};
+use super::{PixelSample, Recorder, Settings, Technique};
 use crate::accel::Accel;
 use crate::bsdf::{Bsdf, Transport};
 use crate::camera::{Camera, LensNumbers};
 use crate::light::LightPoint;
-use crate::math::Ray;
+use crate::math::{Ray, Rgb, distance_squared};
 use crate::planted::{Bug, planted};
 use crate::sampling::{Sampler, Stream};
 use crate::scene::Scene;
@@ -32,13 +33,20 @@ pub(super) fn lens_numbers(camera: &Camera, sampler: &mut Sampler, s: u32) -> Le
     LensNumbers { lens: sampler.next_2d(), pixel: sampler.next_2d() }
 }
 
+/// For who replays a sample: see `Made`.
+#[cold]
+fn made(s: u32, pixel: [u32; 2], value: Rgb, visible: f32) -> Step {
+    let technique = Technique { s, t: 1 };
+    Step::Made(Made { technique, pixel: Some(pixel), light: None, values: Some([value; 2]), visible })
+}
+
 /// The light paths that belong to one sample of a pixel; they may land on any pixel.
-pub(super) fn sample<A: Accel>(
+pub(super) fn sample<A: Accel, const T: bool>(
     scene: &Scene<A>,
     settings: &Settings,
     light_paths_per_pass: f64,
     sample: PixelSample,
-    recorder: &mut Recorder,
+    recorder: &mut Recorder<T>,
 ) {
     recorder.begin(sample.pixel, sample.index);
     for number in 0..settings.light_paths.max(1) {
@@ -46,13 +54,13 @@ pub(super) fn sample<A: Accel>(
     }
 }
 
-fn trace<A: Accel>(
+fn trace<A: Accel, const T: bool>(
     scene: &Scene<A>,
     settings: &Settings,
     light_paths_per_pass: f64,
     sample: PixelSample,
     number: u32,
-    recorder: &mut Recorder,
+    recorder: &mut Recorder<T>,
 ) {
     let Some(choice) = &scene.light_choice else { return };
     let pixel_key = sample.key(scene.camera.resolution());
@@ -68,6 +76,7 @@ fn trace<A: Accel>(
     let (u_point, u_direction) = (sampler.next_2d(), sampler.next_2d());
     let Some(start) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };
     let pdf_position = (start.pdf_position * pmf).0;
+    recorder.tell(|| Step::of_light(id, pmf, &start));
 
     // s = 1: the light itself, seen by the camera. A delta light has no area to be seen, an environment no place.
     if let (true, LightPoint::Surface(at)) = (settings.wants(1, 1), &start.point) {
@@ -76,9 +85,10 @@ fn trace<A: Accel>(
             if le.max_element() > 0.0 {
                 let segment = Ray::segment(at.origin(lens.wi), lens.p);
                 let visible = scene.visibility(&segment, &mut recorder.rays.lens);
+                let area = lens.pdf.to_area(lens.wi.dot(at.ng), lens.d2);
+                let scale = area.0 / (pdf_position * light_paths_per_pass);
+                recorder.tell(|| made(1, lens.pixel, le * scale as f32, visible));
                 if visible > 0.0 {
-                    let area = lens.pdf.to_area(lens.wi.dot(at.ng), lens.d2);
-                    let scale = area.0 / (pdf_position * light_paths_per_pass);
                     recorder.splat(1, 1, lens.pixel, le * (scale as f32 * visible));
                 }
             }
@@ -89,25 +99,35 @@ fn trace<A: Accel>(
     let mut beta = start.le * (cos / (pdf_position * start.pdf_direction.0)) as f32;
     let mut roulette = settings.roulette(beta);
     let mut ray = Ray::new(start.origin, start.w);
+    let mut from = ray.o;
     let mut varying = Bsdf::Black;
     // Light vertices including the one being arrived at; s − 1 of them scatter when the camera is connected.
     let mut s = 2;
     while s - 1 + u32::from(planted(Bug::DepthOfLight)) <= settings.max_bounces {
-        let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light, &mut varying) else { return };
+        let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light, &mut varying) else {
+            recorder.tell(|| Step::Left { toward: ray.d });
+            return;
+        };
         if settings.class.ends_light_subpath(light, s, arrival.through_window) {
+            recorder.tell(|| Step::Ended(End::Class));
             return;
         }
         let at = &arrival.at;
         let bsdf = arrival.bsdf;
         let wo = -ray.d;
+        recorder.tell(|| {
+            let d2 = if s == 2 { start.point.distance_squared(at.p()) } else { distance_squared(from, at.p()) };
+            Step::Arrived(Arrived { d2, ..Arrived::of(&arrival, wo, beta, s, None) })
+        });
         if bsdf.is_connectible() && settings.wants(s, 1) {
             if let Some(lens) = scene.camera.sample_lens(at.p(), &lens_numbers(&scene.camera, &mut sampler, s)) {
                 if let Some(value) = bsdf.eval(at, wo, lens.wi, Transport::Importance) {
                     let segment = Ray::segment(at.origin(lens.wi), lens.p);
                     let visible = scene.visibility(&segment, &mut recorder.rays.lens);
+                    // F holds the cosine at the surface: We·cosθ/d² is the camera's density over d².
+                    let scale = lens.pdf.0 / (lens.d2 * light_paths_per_pass);
+                    recorder.tell(|| made(s, lens.pixel, beta * value.f * scale as f32, visible));
                     if visible > 0.0 {
-                        // F holds the cosine at the surface: We·cosθ/d² is the camera's density over d².
-                        let scale = lens.pdf.0 / (lens.d2 * light_paths_per_pass);
                         recorder.splat(s, 1, lens.pixel, beta * value.f * (scale as f32 * visible));
                     }
                 }
@@ -117,8 +137,13 @@ fn trace<A: Accel>(
         sampler.set_dimension(block);
         let u = sampler.next_2d();
         let lobe = if bsdf.chooses_lobe() { sampler.next_1d() } else { 0.0 };
-        let Some(next) = bsdf.sample(at, wo, lobe, u, Transport::Importance) else { return };
+        let Some(next) = bsdf.sample(at, wo, lobe, u, Transport::Importance) else {
+            recorder.tell(|| Step::Ended(End::Absorbed));
+            return;
+        };
+        recorder.tell(|| Step::from(&next));
         if settings.class.ends_light_subpath(light, s, next.delta) {
+            recorder.tell(|| Step::Ended(End::Class));
             return;
         }
         beta *= next.weight;
@@ -126,10 +151,16 @@ fn trace<A: Accel>(
             sampler.set_dimension(block + dimensions::ROULETTE);
             sampler.next_1d()
         }) else {
+            recorder.tell(|| Step::Ended(End::Roulette));
             return;
         };
+        recorder.tell(|| Step::Survived(q));
         beta /= q;
+        if T {
+            from = at.p();
+        }
         ray = Ray::new(at.origin(next.wi), next.wi);
         s += 1;
     }
+    recorder.tell(|| Step::Ended(End::Length));
 }

@@ -6,6 +6,7 @@ pub mod light;
 pub mod path;
 mod recorder;
 mod roulette;
+pub mod trace;
 
 pub use class::PathClass;
 pub use recorder::{Contribution, Rays, Recorder, Rejected, Technique};
@@ -197,7 +198,7 @@ impl<'a, A: Accel> SampleLoop<'a, A> {
 
     /// Computes one sample; its contributions go to `recorder`.
     #[inline]
-    pub fn sample(&mut self, sample: PixelSample, recorder: &mut Recorder) {
+    pub fn sample<const T: bool>(&mut self, sample: PixelSample, recorder: &mut Recorder<T>) {
         match self.settings.integrator {
             Integrator::Path => path::sample(self.scene, &self.settings, sample, recorder),
             Integrator::Light => {
@@ -208,7 +209,7 @@ impl<'a, A: Accel> SampleLoop<'a, A> {
     }
 
     /// Computes only what one sample contributes to other pixels than its own.
-    pub fn sample_splats(&mut self, sample: PixelSample, recorder: &mut Recorder) {
+    pub fn sample_splats<const T: bool>(&mut self, sample: PixelSample, recorder: &mut Recorder<T>) {
         match self.settings.integrator {
             Integrator::Path => {}
             Integrator::Light => self.sample(sample, recorder),

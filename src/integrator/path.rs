@@ -1,11 +1,12 @@
 //! Path tracing: camera subpaths with next-event estimation and BSDF sampling, combined by MIS.
 
-use super::{PixelSample, Recorder, Settings};
+use super::trace::{Arrived, End, Made, Step};
+use super::{PixelSample, Recorder, Settings, Technique};
 use crate::accel::Accel;
 use crate::bsdf::{Bsdf, Transport};
 use crate::camera::{Camera, CameraRay};
 use crate::light::{DirectSample, LightEdge, LightPoint, Receiver};
-use crate::math::{Ray, Rgb};
+use crate::math::{Ray, Rgb, distance_squared};
 use crate::planted::{Bug, planted};
 use crate::sampling::{Sampler, Stream};
 use crate::scene::desc::Heuristic;
@@ -80,8 +81,19 @@ fn weight(settings: &Settings, p: f64, q: f64) -> f32 {
     w as f32
 }
 
+/// For who replays a sample: see `Made`.
+#[cold]
+fn made(s: u32, t: u32, light: u32, values: Option<[Rgb; 2]>, visible: f32) -> Step {
+    Step::Made(Made { technique: Technique { s, t }, pixel: None, light: Some(light), values, visible })
+}
+
 /// One camera path.
-pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: PixelSample, recorder: &mut Recorder) {
+pub(super) fn sample<A: Accel, const T: bool>(
+    scene: &Scene<A>,
+    settings: &Settings,
+    sample: PixelSample,
+    recorder: &mut Recorder<T>,
+) {
     let pixel_key = sample.key(scene.camera.resolution());
     let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Camera, sample.index);
     let mut coins = sampler.coins();
@@ -90,7 +102,8 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
     if !scene.needs.light {
         return;
     }
-    let mut ray = camera_ray(&scene.camera, sample.pixel, &mut sampler).ray;
+    let CameraRay { mut ray, pdf, .. } = camera_ray(&scene.camera, sample.pixel, &mut sampler);
+    recorder.tell(|| Step::Camera { from: ray.o, toward: ray.d, pdf: pdf.0 });
     let mut beta = Rgb::ONE;
     let mut roulette = settings.roulette(beta);
     // Density per solid angle of the last sampled direction; `None` when next-event estimation could not have
@@ -103,6 +116,17 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
     loop {
         let wo = -ray.d;
         let reached = scene.follow(ray, &mut coins, &mut recorder.rays.camera, &mut varying);
+        recorder.tell(|| match &reached {
+            Reached::Surface(arrival) => {
+                let d2 = if t == 2 {
+                    scene.camera.edge_d2(ray.o, arrival.at.p())
+                } else {
+                    distance_squared(receiver.p, arrival.at.p())
+                };
+                Step::Arrived(Arrived { d2, ..Arrived::of(arrival, wo, beta, t, None) })
+            }
+            Reached::Infinity { .. } => Step::Left { toward: ray.d },
+        });
         // s = 0: the path has hit light `id`. Next-event estimation could not have found it behind a window.
         let mut hit = |id: u32, point: LightPoint, through_window: bool| {
             let light = &scene.lights[id as usize];
@@ -123,6 +147,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
                 }
                 _ => 1.0,
             };
+            recorder.tell(|| made(0, t, id, Some([beta * le, beta * le * w]), 1.0));
             recorder.add(0, t, beta * le * w);
         };
         // Looked at where it lies: a copy made of what was just written waits for it.
@@ -139,6 +164,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
             }
         };
         if settings.class.ends_camera_subpath(t, arrival.through_window) {
+            recorder.tell(|| Step::Ended(End::Class));
             return;
         }
         let at = &arrival.at;
@@ -147,6 +173,7 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         }
         let bounces = t - 1;
         if bounces > settings.max_bounces + u32::from(planted(Bug::DepthOfPath)) || !arrival.bsdf.scatters() {
+            recorder.tell(|| Step::Ended(if arrival.bsdf.scatters() { End::Length } else { End::Black }));
             return;
         }
         let bsdf = arrival.bsdf;
@@ -156,30 +183,40 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
         if bsdf.is_connectible() && settings.wants(1, t) {
             let y = sample_light(scene, &receiver, &mut sampler, block);
             if let Some((id, y, edge)) = y.and_then(|(id, y)| Some((id, y, y.point.edge_from(at.p())?))) {
+                recorder.tell(|| Step::LightSampled { light: id, point: y.point, pdf: y.pdf.0 });
                 let light = &scene.lights[id as usize];
                 let LightEdge { wi, d2, cos } = edge;
                 let le = light.emitted(&y.point, -wi);
                 let value = if le == Rgb::ZERO { None } else { bsdf.eval(at, wo, wi, Transport::Radiance) };
                 if let Some(value) = value {
                     let visible = scene.visibility(&y.point.shadow_ray(at), &mut recorder.rays.shadow);
+                    let pdf_light = y.pdf.0 * d2;
+                    // Densities at the light, both multiplied by d²/cos to stay finite as d shrinks.
+                    let w = || match light.is_delta() {
+                        true => 1.0,
+                        false => weight(settings, pdf_light, f64::from(value.pdf_fwd.0) * cos),
+                    };
+                    let weighted =
+                        |w: f32, visible: f32| beta * value.f * le * ((cos / pdf_light) as f32 * w * visible);
+                    recorder.tell(|| made(1, t, id, Some([weighted(1.0, 1.0), weighted(w(), 1.0)]), visible));
                     if visible > 0.0 {
-                        let pdf_light = y.pdf.0 * d2;
-                        // Densities at the light, both multiplied by d²/cos to stay finite as d shrinks.
-                        let w = if light.is_delta() {
-                            1.0
-                        } else {
-                            weight(settings, pdf_light, f64::from(value.pdf_fwd.0) * cos)
-                        };
-                        recorder.add(1, t, beta * value.f * le * ((cos / pdf_light) as f32 * w * visible));
+                        recorder.add(1, t, weighted(w(), visible));
                     }
+                } else {
+                    recorder.tell(|| made(1, t, id, None, 0.0));
                 }
             }
         }
         sampler.set_dimension(block + dimensions::DIRECTION);
         let u = sampler.next_2d();
         let lobe = if bsdf.chooses_lobe() { sampler.next_1d() } else { 0.0 };
-        let Some(next) = bsdf.sample(at, wo, lobe, u, Transport::Radiance) else { return };
+        let Some(next) = bsdf.sample(at, wo, lobe, u, Transport::Radiance) else {
+            recorder.tell(|| Step::Ended(End::Absorbed));
+            return;
+        };
+        recorder.tell(|| Step::from(&next));
         if settings.class.ends_camera_subpath(t, next.delta) {
+            recorder.tell(|| Step::Ended(End::Class));
             return;
         }
         beta *= next.weight;
@@ -187,8 +224,10 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
             sampler.set_dimension(block + dimensions::ROULETTE);
             sampler.next_1d()
         }) else {
+            recorder.tell(|| Step::Ended(End::Roulette));
             return;
         };
+        recorder.tell(|| Step::Survived(q));
         beta /= q;
         pdf_last = (!next.delta).then_some(f64::from(next.pdf_fwd.0));
         ray = Ray::new(at.origin(next.wi), next.wi);

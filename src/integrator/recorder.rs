@@ -3,6 +3,7 @@
 use crate::math::Rgb;
 
 use super::Crop;
+use super::trace::Step;
 
 /// A sampling technique: `s` light vertices, `t` camera vertices (the camera's own included).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -76,9 +77,10 @@ impl std::ops::AddAssign for Rays {
 /// How many rejected contributions a recorder remembers in full; all are counted.
 const REMEMBERED: usize = 16;
 
-/// Collects the contributions of samples, one thread's.
+/// Collects the contributions of samples, one thread's. If `TRACED`, each step of theirs as well; what a plain one is not
+/// told costs it nothing.
 #[derive(Clone, Debug)]
-pub struct Recorder {
+pub struct Recorder<const TRACED: bool = false> {
     crop: Crop,
     /// The sample under way.
     pixel: [u32; 2],
@@ -93,11 +95,30 @@ pub struct Recorder {
     pub rays: Rays,
     rejected_count: u64,
     rejected: Vec<Rejected>,
+    steps: Vec<Step>,
 }
 
 impl Recorder {
     /// For the pixels in `crop`. With `by_technique` every contribution is kept apart as well.
     pub fn new(crop: Crop, by_technique: bool) -> Self {
+        Self::empty(crop, by_technique)
+    }
+}
+
+impl Recorder<true> {
+    /// For the pixels in `crop`; keeps each step, and every contribution by technique.
+    pub fn traced(crop: Crop) -> Self {
+        Self::empty(crop, true)
+    }
+
+    /// The steps since the last `clear`.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+}
+
+impl<const TRACED: bool> Recorder<TRACED> {
+    fn empty(crop: Crop, by_technique: bool) -> Self {
         Self {
             crop,
             pixel: [0, 0],
@@ -108,6 +129,15 @@ impl Recorder {
             rays: Rays::default(),
             rejected_count: 0,
             rejected: Vec::new(),
+            steps: Vec::new(),
+        }
+    }
+
+    /// Keeps a step, which is made only where steps are kept.
+    #[inline(always)]
+    pub fn tell(&mut self, step: impl FnOnce() -> Step) {
+        if TRACED {
+            self.steps.push(step());
         }
     }
 
@@ -174,12 +204,13 @@ impl Recorder {
         self.by_technique.as_deref().unwrap_or(&[])
     }
 
-    /// Forgets contributions; counts stay.
+    /// Forgets contributions and steps; counts stay.
     pub fn clear(&mut self) {
         self.splats.clear();
         if let Some(list) = &mut self.by_technique {
             list.clear();
         }
+        self.steps.clear();
     }
 
     /// Forgets contributions and counts.

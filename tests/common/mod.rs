@@ -10,6 +10,7 @@
 #![allow(dead_code, unused_imports)] // Each test crate uses its own part of this module.
 
 mod estimate;
+mod everything;
 mod view;
 
 use std::path::Path;
@@ -24,6 +25,7 @@ use twinlight::render::{RenderJob, Rendered, render};
 use twinlight::scene::{Prepared, Scene, prepare};
 
 pub use estimate::{ALPHA, Bounds, ROUNDING, assert_closed, assert_same, expect_colored, pooled_ratio, validation_row};
+pub use everything::everything;
 pub use view::View;
 
 /// The accelerator that tests run on unless they say otherwise.

@@ -8,9 +8,10 @@ use crate::accel::Accel;
 use crate::bsdf::Transport;
 use crate::camera::{CameraSample, LensNumbers};
 use crate::geometry::SurfacePoint;
-use crate::integrator::Recorder;
 use crate::integrator::light::lens_numbers;
 use crate::integrator::path::sample_light;
+use crate::integrator::trace::{Made, Step};
+use crate::integrator::{Recorder, Technique};
 use crate::light::{Light, LightEdge, LightPoint, Receiver};
 use crate::math::{Ray, Rgb, Vec3, distance_squared};
 use crate::pdf::Pmf;
@@ -39,6 +40,12 @@ fn emission<A: Accel>(scene: &Scene<A>, z: &Vertex) -> Rgb {
     light.map_or(Rgb::ZERO, |id| z.beta * scene.lights[id as usize].emitted(&LightPoint::Surface(z.at), z.wo))
 }
 
+/// For who replays a sample: a path that technique (`s`, `t`) has made, its value with the weight 1 and with its own.
+#[cold]
+fn made(s: u32, t: u32, pixel: Option<[u32; 2]>, light: Option<u32>, values: Option<[Rgb; 2]>, visible: f32) -> Step {
+    Step::Made(Made { technique: Technique { s, t }, pixel, light, values, visible })
+}
+
 impl Bdpt {
     /// `h` of the number of samples of the technique in which camera vertex `number` would be the light's.
     #[inline(always)]
@@ -54,13 +61,25 @@ impl Bdpt {
 
     /// s = 0: the camera subpath has hit light `id`.
     #[inline]
-    pub(super) fn hit_emitter<A: Accel>(&self, scene: &Scene<A>, id: u32, hit: &EmitterHit, recorder: &mut Recorder) {
+    pub(super) fn hit_emitter<A: Accel, const T: bool>(
+        &self,
+        scene: &Scene<A>,
+        id: u32,
+        hit: &EmitterHit,
+        recorder: &mut Recorder<T>,
+    ) {
         let (Some(choice), true) = (&scene.light_choice, self.settings.wants(0, hit.number)) else { return };
         let light = &scene.lights[id as usize];
         if light.emitted(&hit.point, hit.wo) == Rgb::ZERO {
             return;
         }
-        recorder.add(0, hit.number, self.evaluate_emitter(scene, id, hit, choice.pmf_emission(id)));
+        let pmf = choice.pmf_emission(id);
+        let value = self.evaluate_emitter(scene, id, hit, pmf);
+        recorder.tell(|| {
+            let plain = self.unweighted().evaluate_emitter(scene, id, hit, pmf);
+            made(0, hit.number, None, Some(id), Some([plain, value]), 1.0)
+        });
+        recorder.add(0, hit.number, value);
     }
 
     /// The weighted contribution of light `id` that a camera subpath has hit, chosen for emission with the probability
@@ -100,19 +119,27 @@ impl Bdpt {
 
     /// s = 1: next-event estimation at camera vertex `z`; `block` is the first dimension of the bounce.
     #[inline]
-    pub(super) fn connect_to_light<A: Accel>(
+    pub(super) fn connect_to_light<A: Accel, const T: bool>(
         &self,
         scene: &Scene<A>,
         z: &Vertex,
         sampler: &mut Sampler,
         block: u32,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<T>,
     ) {
         let (Some(choice), true) = (&scene.light_choice, self.settings.wants(1, z.number)) else { return };
         let Some((id, y)) = sample_light(scene, &z.receiver(), sampler, block) else { return };
         let (light, pmf) = (&scene.lights[id as usize], choice.pmf_emission(id));
-        let Some(value) = self.evaluate_next_event(scene, light, &y.point, y.pdf.0, pmf, z) else { return };
+        recorder.tell(|| Step::LightSampled { light: id, point: y.point, pdf: y.pdf.0 });
+        let Some(value) = self.evaluate_next_event(scene, light, &y.point, y.pdf.0, pmf, z) else {
+            recorder.tell(|| made(1, z.number, None, Some(id), None, 0.0));
+            return;
+        };
         let visible = scene.visibility(&y.point.shadow_ray(&z.at), &mut recorder.rays.shadow);
+        recorder.tell(|| {
+            let plain = self.unweighted().evaluate_next_event(scene, light, &y.point, y.pdf.0, pmf, z);
+            made(1, z.number, None, Some(id), plain.map(|plain| [plain, value]), visible)
+        });
         if visible > 0.0 {
             recorder.add(1, z.number, value * visible);
         }
@@ -152,17 +179,29 @@ impl Bdpt {
 
     /// s ≥ 2, t ≥ 2: camera vertex `z` with every kept vertex of the light subpaths it connects to.
     #[inline]
-    pub(super) fn connect_to_subpaths<A: Accel>(&self, scene: &Scene<A>, z: &Vertex, recorder: &mut Recorder) {
+    pub(super) fn connect_to_subpaths<A: Accel, const T: bool>(
+        &self,
+        scene: &Scene<A>,
+        z: &Vertex,
+        recorder: &mut Recorder<T>,
+    ) {
         // s + t − 2 scattering events.
         let most = self.settings.max_bounces + 2 + u32::from(planted(Bug::DepthOfConnections));
         for y in &self.light_vertices[..self.connectible_end] {
             if y.number + z.number > most || !self.settings.wants(y.number, z.number) {
                 continue;
             }
-            let Some(value) = self.evaluate_connection(y, z) else { continue };
+            let Some(value) = self.evaluate_connection(y, z) else {
+                recorder.tell(|| made(y.number, z.number, None, None, None, 0.0));
+                continue;
+            };
             let wi = y.at.p() - z.at.p();
             let segment = Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()));
             let visible = scene.visibility(&segment, &mut recorder.rays.connection);
+            recorder.tell(|| {
+                let plain = self.unweighted().evaluate_connection(y, z);
+                made(y.number, z.number, None, None, plain.map(|plain| [plain, value]), visible)
+            });
             if visible > 0.0 {
                 let value = if planted(Bug::EmissionInConnections) { value + emission(scene, z) } else { value };
                 recorder.add(y.number, z.number, value * visible);
@@ -196,19 +235,26 @@ impl Bdpt {
 
     /// t = 1, s ≥ 2: light vertex `y` seen by the camera.
     #[inline]
-    pub(super) fn connect_to_camera<A: Accel>(
+    pub(super) fn connect_to_camera<A: Accel, const T: bool>(
         &self,
         scene: &Scene<A>,
         y: &Vertex,
         sampler: &mut Sampler,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<T>,
     ) {
         if !self.settings.wants(y.number, 1) || planted(Bug::NoLightTracing) {
             return;
         }
         let numbers = lens_numbers(&scene.camera, sampler, y.number);
-        let Some((lens, value)) = self.evaluate_lens(scene, y, &numbers) else { return };
+        let Some((lens, value)) = self.evaluate_lens(scene, y, &numbers) else {
+            recorder.tell(|| made(y.number, 1, None, None, None, 0.0));
+            return;
+        };
         let visible = scene.visibility(&Ray::segment(y.at.origin(lens.wi), lens.p), &mut recorder.rays.lens);
+        recorder.tell(|| {
+            let plain = self.unweighted().evaluate_lens(scene, y, &numbers);
+            made(y.number, 1, Some(lens.pixel), None, plain.map(|(_, plain)| [plain, value]), visible)
+        });
         if visible > 0.0 {
             recorder.splat(y.number, 1, lens.pixel, value * visible);
         }
@@ -235,21 +281,28 @@ impl Bdpt {
 
     /// s = 1, t = 1: a point on an area light, seen by the camera.
     #[inline]
-    pub(super) fn connect_light_to_camera<A: Accel>(
+    pub(super) fn connect_light_to_camera<A: Accel, const T: bool>(
         &self,
         scene: &Scene<A>,
         light: &Light,
         y: &SurfacePoint,
         pdf_position: f64,
         sampler: &mut Sampler,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<T>,
     ) {
         if !self.settings.wants(1, 1) {
             return;
         }
         let numbers = lens_numbers(&scene.camera, sampler, 1);
-        let Some((lens, value)) = self.evaluate_light_in_lens(scene, light, y, pdf_position, &numbers) else { return };
+        let Some((lens, value)) = self.evaluate_light_in_lens(scene, light, y, pdf_position, &numbers) else {
+            recorder.tell(|| made(1, 1, None, None, None, 0.0));
+            return;
+        };
         let visible = scene.visibility(&Ray::segment(y.origin(lens.wi), lens.p), &mut recorder.rays.lens);
+        recorder.tell(|| {
+            let plain = self.unweighted().evaluate_light_in_lens(scene, light, y, pdf_position, &numbers);
+            made(1, 1, Some(lens.pixel), None, plain.map(|(_, plain)| [plain, value]), visible)
+        });
         if visible > 0.0 {
             recorder.splat(1, 1, lens.pixel, value * visible);
         }

@@ -78,6 +78,11 @@ impl Mis {
         mis
     }
 
+    /// The same counts, every weight being 1.
+    pub fn unweighted(self) -> Self {
+        Self { weighted: false, ..self }
+    }
+
     /// What the heuristic makes of a density, or of a product of densities and counts.
     #[inline(always)]
     pub fn h(&self, x: f64) -> f64 {

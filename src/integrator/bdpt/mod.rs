@@ -63,14 +63,24 @@ impl Bdpt {
     }
 
     /// One camera sample with its light subpaths.
-    pub fn sample<A: Accel>(&mut self, scene: &Scene<A>, sample: PixelSample, recorder: &mut Recorder) {
+    pub fn sample<A: Accel, const T: bool>(
+        &mut self,
+        scene: &Scene<A>,
+        sample: PixelSample,
+        recorder: &mut Recorder<T>,
+    ) {
         self.sample_light(scene, sample, recorder);
         let sampler = self.sampler(scene, sample, Stream::Camera);
         self.walk_camera(scene, sample.pixel, sampler, recorder);
     }
 
     /// The light subpaths of one camera sample: their splats are recorded, their vertices kept.
-    pub fn sample_light<A: Accel>(&mut self, scene: &Scene<A>, sample: PixelSample, recorder: &mut Recorder) {
+    pub fn sample_light<A: Accel, const T: bool>(
+        &mut self,
+        scene: &Scene<A>,
+        sample: PixelSample,
+        recorder: &mut Recorder<T>,
+    ) {
         recorder.begin(sample.pixel, sample.index);
         self.light_vertices.clear();
         self.connectible_end = 0;
@@ -81,6 +91,13 @@ impl Bdpt {
                 self.connectible_end = self.light_vertices.len();
             }
         }
+    }
+
+    /// The same estimator with every weight 1.
+    #[cold]
+    fn unweighted(&self) -> Self {
+        let settings = Settings { weighted: false, ..self.settings };
+        Self { settings, mis: self.mis.unweighted(), light_vertices: Vec::new(), connectible_end: 0, ..*self }
     }
 
     fn sampler<A: Accel>(&self, scene: &Scene<A>, sample: PixelSample, stream: Stream) -> Sampler {

@@ -7,6 +7,7 @@ use crate::accel::Accel;
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::integrator::light::dimensions as light_dimensions;
 use crate::integrator::path::{camera_ray, dimensions as camera_dimensions};
+use crate::integrator::trace::{Arrived, End, Step};
 use crate::integrator::{Recorder, Roulette};
 use crate::light::{LightPoint, Receiver};
 use crate::math::{Ray, Rgb, Vec3, distance_squared};
@@ -17,7 +18,12 @@ use crate::scene::{Reached, Scene};
 
 impl Bdpt {
     /// Traces a light subpath, connects its vertices to the camera and keeps those that can be connected to.
-    pub(super) fn walk_light<A: Accel>(&mut self, scene: &Scene<A>, mut sampler: Sampler, recorder: &mut Recorder) {
+    pub(super) fn walk_light<A: Accel, const T: bool>(
+        &mut self,
+        scene: &Scene<A>,
+        mut sampler: Sampler,
+        recorder: &mut Recorder<T>,
+    ) {
         let Some(choice) = &scene.light_choice else { return };
         let mut coins = sampler.coins();
         recorder.rays.light_paths += 1;
@@ -30,11 +36,13 @@ impl Bdpt {
         let Some(emission) = light.sample_emission(&scene.geometry, part, u_point, u_direction) else { return };
         let pmf = if planted(Bug::NoLightChoice) { Pmf(1.0) } else { pmf };
         let pdf_position = (emission.pdf_position * pmf).0;
+        recorder.tell(|| Step::of_light(id, pmf, &emission));
         // A delta light has no area to be seen, an environment no place.
         if let LightPoint::Surface(at) = &emission.point {
             self.connect_light_to_camera(scene, light, at, pdf_position, &mut sampler, recorder);
         }
         if self.settings.max_bounces == 0 {
+            recorder.tell(|| Step::Ended(End::Length));
             return;
         }
 
@@ -49,15 +57,18 @@ impl Bdpt {
         let mut number = 2;
         while number - 1 <= self.settings.max_bounces {
             let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light, &mut varying) else {
+                recorder.tell(|| Step::Left { toward: ray.d });
                 return;
             };
             if self.settings.class.ends_light_subpath(light, number, arrival.through_window) {
+                recorder.tell(|| Step::Ended(End::Class));
                 return;
             }
             let at = arrival.at;
             let wo = -ray.d;
             let cos_in = f64::from(wo.dot(at.ng).abs());
             if cos_in == 0.0 || !arrival.bsdf.scatters() {
+                recorder.tell(|| Step::Ended(if cos_in == 0.0 { End::Grazing } else { End::Black }));
                 return;
             }
             let partial = match &departure {
@@ -88,18 +99,27 @@ impl Bdpt {
                 }
             };
             let vertex = Vertex { at, wo, bsdf: *arrival.bsdf, beta, partial, number };
+            recorder.tell(|| {
+                let d2 = if departure.is_none() {
+                    emission.point.distance_squared(at.p())
+                } else {
+                    distance_squared(from, at.p())
+                };
+                Step::Arrived(Arrived { d2, ..Arrived::of(&arrival, wo, beta, number, Some(partial)) })
+            });
             if vertex.bsdf.is_connectible() {
                 self.connect_to_camera(scene, &vertex, &mut sampler, recorder);
                 self.light_vertices.push(vertex);
             }
             let block = light_dimensions::START + (number - 2) * light_dimensions::BLOCK;
             sampler.set_dimension(block);
-            let Some(next) = scatter(&vertex, Transport::Importance, &mut sampler) else { return };
+            let Some(next) = scatter(&vertex, Transport::Importance, &mut sampler, recorder) else { return };
             if self.settings.class.ends_light_subpath(light, number, next.delta) {
+                recorder.tell(|| Step::Ended(End::Class));
                 return;
             }
             sampler.set_dimension(block + light_dimensions::ROULETTE);
-            let Some(thinned) = thin(&vertex, &next, &mut roulette, &mut sampler) else { return };
+            let Some(thinned) = thin(&vertex, &next, &mut roulette, &mut sampler, recorder) else { return };
             beta = thinned;
             // `direct` at vertex i stands for the technique with i light vertices.
             let count = if number == 2 { self.mis.next_event } else { self.mis.connections };
@@ -108,15 +128,16 @@ impl Bdpt {
             ray = Ray::new(at.origin(next.wi), next.wi);
             number += 1;
         }
+        recorder.tell(|| Step::Ended(End::Length));
     }
 
     /// Walks a camera subpath, connecting each of its vertices to the light.
-    pub(super) fn walk_camera<A: Accel>(
+    pub(super) fn walk_camera<A: Accel, const T: bool>(
         &mut self,
         scene: &Scene<A>,
         pixel: [u32; 2],
         mut sampler: Sampler,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<T>,
     ) {
         recorder.rays.camera_paths += 1;
         if !scene.needs.light {
@@ -125,6 +146,7 @@ impl Bdpt {
         let mut coins = sampler.coins();
         let primary = camera_ray(&scene.camera, pixel, &mut sampler);
         let mut ray = primary.ray;
+        recorder.tell(|| Step::Camera { from: ray.o, toward: ray.d, pdf: primary.pdf.0 });
         let mut receiver = Receiver::anywhere(ray.o);
         let mut varying = Bsdf::Black;
         let mut beta = Rgb::ONE;
@@ -136,6 +158,7 @@ impl Bdpt {
             let arrival = match scene.follow(ray, &mut coins, &mut recorder.rays.camera, &mut varying) {
                 Reached::Surface(arrival) => arrival,
                 Reached::Infinity { through_window } => {
+                    recorder.tell(|| Step::Left { toward: ray.d });
                     if !scene.environments.is_empty() && !self.settings.class.ends_camera_subpath(number, true) {
                         // A point at infinity: no distance and no cosine belong to the edge.
                         let partial = match &departure {
@@ -154,6 +177,7 @@ impl Bdpt {
             let at = arrival.at;
             let cos_in = f64::from(wo.dot(at.ng).abs());
             if cos_in == 0.0 || self.settings.class.ends_camera_subpath(number, arrival.through_window) {
+                recorder.tell(|| Step::Ended(if cos_in == 0.0 { End::Grazing } else { End::Class }));
                 return;
             }
             let from = receiver.p;
@@ -166,12 +190,17 @@ impl Bdpt {
                 Some(departure) => self.mis.arrive(departure, d2, cos_in, !arrival.through_window),
             };
             let vertex = Vertex { at, wo, bsdf: *arrival.bsdf, beta, partial, number };
+            recorder.tell(|| {
+                let d2 = if departure.is_none() { scene.camera.edge_d2(from, at.p()) } else { d2 };
+                Step::Arrived(Arrived { d2, ..Arrived::of(&arrival, wo, beta, number, Some(partial)) })
+            });
             if let Some(id) = arrival.light {
                 let hit = EmitterHit { point: LightPoint::Surface(at), wo, receiver, beta, partial, number };
                 self.hit_emitter(scene, id, &hit, recorder);
             }
             // Vertex `number` would scatter for the (number − 1)th time.
             if number - 1 > self.settings.max_bounces || !vertex.bsdf.scatters() {
+                recorder.tell(|| Step::Ended(if vertex.bsdf.scatters() { End::Length } else { End::Black }));
                 return;
             }
             let block = (number - 2) * camera_dimensions::BLOCK;
@@ -180,12 +209,13 @@ impl Bdpt {
                 self.connect_to_subpaths(scene, &vertex, recorder);
             }
             sampler.set_dimension(block + camera_dimensions::DIRECTION);
-            let Some(next) = scatter(&vertex, Transport::Radiance, &mut sampler) else { return };
+            let Some(next) = scatter(&vertex, Transport::Radiance, &mut sampler, recorder) else { return };
             if self.settings.class.ends_camera_subpath(number, next.delta) {
+                recorder.tell(|| Step::Ended(End::Class));
                 return;
             }
             sampler.set_dimension(block + camera_dimensions::ROULETTE);
-            let Some(thinned) = thin(&vertex, &next, &mut roulette, &mut sampler) else { return };
+            let Some(thinned) = thin(&vertex, &next, &mut roulette, &mut sampler, recorder) else { return };
             beta = thinned;
             // `direct` at camera vertex i stands for the technique with i − 1 camera vertices.
             let count = if number == 2 { self.mis.light_paths } else { self.mis.connections };
@@ -199,18 +229,32 @@ impl Bdpt {
 
 /// Samples the BSDF from the sampler's current dimension on.
 #[inline]
-fn scatter(vertex: &Vertex, transport: Transport, sampler: &mut Sampler) -> Option<BsdfSample> {
+fn scatter<const T: bool>(
+    vertex: &Vertex,
+    transport: Transport,
+    sampler: &mut Sampler,
+    recorder: &mut Recorder<T>,
+) -> Option<BsdfSample> {
     let u = sampler.next_2d();
     let lobe = if vertex.bsdf.chooses_lobe() { sampler.next_1d() } else { 0.0 };
-    vertex.bsdf.sample(&vertex.at, vertex.wo, lobe, u, transport)
+    let next = vertex.bsdf.sample(&vertex.at, vertex.wo, lobe, u, transport);
+    recorder.tell(|| next.as_ref().map_or(Step::Ended(End::Absorbed), Step::from));
+    next
 }
 
 /// The throughput after a scattering that roulette let live.
 #[inline]
-fn thin(vertex: &Vertex, next: &BsdfSample, roulette: &mut Roulette, sampler: &mut Sampler) -> Option<Rgb> {
+fn thin<const T: bool>(
+    vertex: &Vertex,
+    next: &BsdfSample,
+    roulette: &mut Roulette,
+    sampler: &mut Sampler,
+    recorder: &mut Recorder<T>,
+) -> Option<Rgb> {
     let beta = vertex.beta * next.weight;
-    let q = roulette.survive(beta, next.eta_scale, || sampler.next_1d())?;
-    Some(beta / q)
+    let q = roulette.survive(beta, next.eta_scale, || sampler.next_1d());
+    recorder.tell(|| q.map_or(Step::Ended(End::Roulette), Step::Survived));
+    Some(beta / q?)
 }
 
 /// The vertex as the edge that leaves it sees it.
