@@ -26,6 +26,8 @@ mod info;
 mod mistakes;
 #[path = "cli/options.rs"]
 mod options;
+#[path = "cli/precision.rs"]
+mod precision;
 #[path = "cli/render.rs"]
 mod render;
 #[path = "cli/stress.rs"]

@@ -68,7 +68,7 @@ fn a_replay_has_the_samples_bits_and_tells_what_made_them() {
             for (made, got) in told.iter().zip(plain.by_technique()) {
                 assert_eq!(made.technique, got.technique);
                 let own = pixel[1] * width + pixel[0];
-                assert_eq!(made.pixel.map_or(own, |[x, y]| y * width + x), got.pixel);
+                assert_eq!(made.seen.map_or(own, |([x, y], _)| y * width + x), got.pixel);
                 let [unweighted, weighted] = made.values.expect("told with values");
                 let off = (weighted * made.visible - got.value).abs().max_element();
                 assert!(off <= 1e-6 * got.value.max_element(), "{made:?} {got:?}");

@@ -70,6 +70,8 @@ pub struct CameraRay {
     pub pdf: EdgePdf,
     /// Cosine to the optical axis.
     pub cos: f32,
+    /// The numbers that chose the point of the lens, of cameras that have one.
+    pub lens: [f32; 2],
 }
 
 /// The uniform numbers with which a point is connected to the camera.
@@ -251,7 +253,7 @@ impl Camera {
             Filter::Pixel => 1.0,
             filter => filter.coverage(column, self.width) * filter.coverage(row, self.height),
         };
-        CameraRay { ray: Ray::new(o, d), pdf: self.pdf(cos, coverage), cos }
+        CameraRay { ray: Ray::new(o, d), pdf: self.pdf(cos, coverage), cos, lens }
     }
 
     /// A point of the camera that may see `p`, and a pixel it sees it through; `None` outside the image.

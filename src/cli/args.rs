@@ -35,6 +35,8 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Render scenes at the edge of what numbers can hold, and judge them
     Stress(StressArgs),
+    /// Say how far rounding takes a scene's contributions and weights
+    Precision(PrecisionArgs),
 }
 
 #[derive(Debug, Args)]
@@ -158,6 +160,27 @@ pub struct StressArgs {
     /// Write a report, .html, .json or .md
     #[arg(short, long, value_name = "REPORT")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct PrecisionArgs {
+    /// Scene file (JSON)
+    pub scene: PathBuf,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value = "1", value_parser = whole(1, 1024))]
+    pub spp: u32,
+    /// Image size in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Largest number of scattering events on a path [default: the scene's]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(0, 1_000_000))]
+    pub max_bounces: Option<u32>,
+    /// What answers rays
+    #[arg(long, value_name = "X", default_value = AccelArg::DEFAULT)]
+    pub accel: AccelArg,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]

@@ -5,6 +5,7 @@ mod compare;
 mod convert;
 mod info;
 mod memory;
+mod precision;
 mod progress;
 mod pyramid;
 mod render;
@@ -71,6 +72,7 @@ pub fn run() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Stress(args) => stress::run(&args),
+        Command::Precision(args) => precision::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

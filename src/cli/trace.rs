@@ -186,7 +186,7 @@ impl<A: Accel> Page<'_, A> {
 
     fn step(&self, out: &mut String, step: &Step, camera: bool, subpath: usize) {
         match step {
-            Step::Camera { from, toward, pdf } => {
+            Step::Camera { from, toward, pdf, .. } => {
                 line(out, 0, "");
                 line(out, 0, "camera subpath");
                 line(out, 2, format!("z1 camera at {} toward {}", self.place(*from), direction(*toward)));
@@ -209,7 +209,7 @@ impl<A: Accel> Page<'_, A> {
                 line(out, 5, format!("emits {}", color(*le)));
             }
             Step::Arrived(arrived) => self.arrived(out, arrived, camera),
-            Step::Left { toward } => line(out, 2, format!("leaves the scene toward {}", direction(*toward))),
+            Step::Left { toward, .. } => line(out, 2, format!("leaves the scene toward {}", direction(*toward))),
             Step::Scattered { toward, pdf_fwd, pdf_rev, weight, delta } => {
                 let lobe = if *delta { " by a delta lobe" } else { "" };
                 line(out, 5, format!("scatters{lobe} toward {}, throughput × {}", direction(*toward), color(*weight)));
@@ -248,7 +248,7 @@ impl<A: Accel> Page<'_, A> {
 
     fn made(&self, out: &mut String, m: &Made) {
         let technique = format!("({},{})", m.technique.s, m.technique.t);
-        let pixel = m.pixel.map_or_else(String::new, |[x, y]| format!(" to pixel {x},{y}"));
+        let pixel = m.seen.map_or_else(String::new, |([x, y], _)| format!(" to pixel {x},{y}"));
         let light = if m.technique.s == 0 {
             m.light.map_or_else(String::new, |id| format!(" from light {id}"))
         } else {

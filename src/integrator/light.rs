@@ -35,9 +35,9 @@ pub(super) fn lens_numbers(camera: &Camera, sampler: &mut Sampler, s: u32) -> Le
 
 /// For who replays a sample: see `Made`.
 #[cold]
-fn made(s: u32, pixel: [u32; 2], value: Rgb, visible: f32) -> Step {
+fn made(s: u32, pixel: [u32; 2], numbers: LensNumbers, value: Rgb, visible: f32) -> Step {
     let technique = Technique { s, t: 1 };
-    Step::Made(Made { technique, pixel: Some(pixel), light: None, values: Some([value; 2]), visible })
+    Step::Made(Made { technique, seen: Some((pixel, numbers)), light: None, values: Some([value; 2]), visible })
 }
 
 /// The light paths that belong to one sample of a pixel; they may land on any pixel.
@@ -80,14 +80,15 @@ fn trace<A: Accel, const T: bool>(
 
     // s = 1: the light itself, seen by the camera. A delta light has no area to be seen, an environment no place.
     if let (true, LightPoint::Surface(at)) = (settings.wants(1, 1), &start.point) {
-        if let Some(lens) = scene.camera.sample_lens(at.p(), &lens_numbers(&scene.camera, &mut sampler, 1)) {
+        let numbers = lens_numbers(&scene.camera, &mut sampler, 1);
+        if let Some(lens) = scene.camera.sample_lens(at.p(), &numbers) {
             let le = light.emitted(&start.point, lens.wi);
             if le.max_element() > 0.0 {
                 let segment = Ray::segment(at.origin(lens.wi), lens.p);
                 let visible = scene.visibility(&segment, &mut recorder.rays.lens);
                 let area = lens.pdf.to_area(lens.wi.dot(at.ng), lens.d2);
                 let scale = area.0 / (pdf_position * light_paths_per_pass);
-                recorder.tell(|| made(1, lens.pixel, le * scale as f32, visible));
+                recorder.tell(|| made(1, lens.pixel, numbers, le * scale as f32, visible));
                 if visible > 0.0 {
                     recorder.splat(1, 1, lens.pixel, le * (scale as f32 * visible));
                 }
@@ -105,7 +106,7 @@ fn trace<A: Accel, const T: bool>(
     let mut s = 2;
     while s - 1 + u32::from(planted(Bug::DepthOfLight)) <= settings.max_bounces {
         let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light, &mut varying) else {
-            recorder.tell(|| Step::Left { toward: ray.d });
+            recorder.tell(|| Step::Left { toward: ray.d, through_window: false });
             return;
         };
         if settings.class.ends_light_subpath(light, s, arrival.through_window) {
@@ -120,13 +121,14 @@ fn trace<A: Accel, const T: bool>(
             Step::Arrived(Arrived { d2, ..Arrived::of(&arrival, wo, beta, s, None) })
         });
         if bsdf.is_connectible() && settings.wants(s, 1) {
-            if let Some(lens) = scene.camera.sample_lens(at.p(), &lens_numbers(&scene.camera, &mut sampler, s)) {
+            let numbers = lens_numbers(&scene.camera, &mut sampler, s);
+            if let Some(lens) = scene.camera.sample_lens(at.p(), &numbers) {
                 if let Some(value) = bsdf.eval(at, wo, lens.wi, Transport::Importance) {
                     let segment = Ray::segment(at.origin(lens.wi), lens.p);
                     let visible = scene.visibility(&segment, &mut recorder.rays.lens);
                     // F holds the cosine at the surface: We·cosθ/d² is the camera's density over d².
                     let scale = lens.pdf.0 / (lens.d2 * light_paths_per_pass);
-                    recorder.tell(|| made(s, lens.pixel, beta * value.f * scale as f32, visible));
+                    recorder.tell(|| made(s, lens.pixel, numbers, beta * value.f * scale as f32, visible));
                     if visible > 0.0 {
                         recorder.splat(s, 1, lens.pixel, beta * value.f * (scale as f32 * visible));
                     }

@@ -84,7 +84,7 @@ fn weight(settings: &Settings, p: f64, q: f64) -> f32 {
 /// For who replays a sample: see `Made`.
 #[cold]
 fn made(s: u32, t: u32, light: u32, values: Option<[Rgb; 2]>, visible: f32) -> Step {
-    Step::Made(Made { technique: Technique { s, t }, pixel: None, light: Some(light), values, visible })
+    Step::Made(Made { technique: Technique { s, t }, seen: None, light: Some(light), values, visible })
 }
 
 /// One camera path.
@@ -102,8 +102,8 @@ pub(super) fn sample<A: Accel, const T: bool>(
     if !scene.needs.light {
         return;
     }
-    let CameraRay { mut ray, pdf, .. } = camera_ray(&scene.camera, sample.pixel, &mut sampler);
-    recorder.tell(|| Step::Camera { from: ray.o, toward: ray.d, pdf: pdf.0 });
+    let CameraRay { mut ray, pdf, lens, .. } = camera_ray(&scene.camera, sample.pixel, &mut sampler);
+    recorder.tell(|| Step::Camera { from: ray.o, toward: ray.d, pdf: pdf.0, lens });
     let mut beta = Rgb::ONE;
     let mut roulette = settings.roulette(beta);
     // Density per solid angle of the last sampled direction; `None` when next-event estimation could not have
@@ -125,7 +125,7 @@ pub(super) fn sample<A: Accel, const T: bool>(
                 };
                 Step::Arrived(Arrived { d2, ..Arrived::of(arrival, wo, beta, t, None) })
             }
-            Reached::Infinity { .. } => Step::Left { toward: ray.d },
+            Reached::Infinity { through_window } => Step::Left { toward: ray.d, through_window: *through_window },
         });
         // s = 0: the path has hit light `id`. Next-event estimation could not have found it behind a window.
         let mut hit = |id: u32, point: LightPoint, through_window: bool| {

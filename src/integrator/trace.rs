@@ -3,6 +3,7 @@
 use super::Technique;
 use super::bdpt::Partial;
 use crate::bsdf::{Bsdf, BsdfSample};
+use crate::camera::LensNumbers;
 use crate::geometry::{GeometryKind, SurfacePoint};
 use crate::light::{EmissionSample, LightPoint};
 use crate::math::{Rgb, Vec3};
@@ -20,6 +21,8 @@ pub enum Step {
         toward: Vec3,
         /// Density of the pixel's rays: per solid angle, per area for parallel rays.
         pdf: f64,
+        /// The point of the lens, of cameras that have one.
+        lens: [f32; 2],
     },
     /// A light subpath starts.
     Light {
@@ -44,6 +47,8 @@ pub enum Step {
     Left {
         /// Unit direction.
         toward: Vec3,
+        /// Whether a camera subpath came through a window.
+        through_window: bool,
     },
     /// The subpath scatters.
     Scattered {
@@ -130,8 +135,8 @@ pub enum End {
 pub struct Made {
     /// Which.
     pub technique: Technique,
-    /// The pixel it lands on; `None` for the sample's own.
-    pub pixel: Option<[u32; 2]>,
+    /// The pixel it lands on and the numbers with which the camera was connected to; `None` for the sample's own.
+    pub seen: Option<([u32; 2], LensNumbers)>,
     /// The light it starts on, where the technique chose it.
     pub light: Option<u32>,
     /// What it contributes with the weight 1, and with its weight; both before visibility. `None` where the surfaces or the

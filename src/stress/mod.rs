@@ -7,10 +7,12 @@
 mod case;
 mod cases;
 mod measure;
+mod precision;
 mod report;
 
 pub use case::{Case, Expected};
 pub use cases::cases;
+pub use precision::{Precision, precision};
 pub use report::{HEADING, Report, Row};
 
 use std::collections::HashMap;
@@ -43,8 +45,9 @@ const ALPHA: f64 = 1e-5;
 /// How far from 1 the weights of a path may sum.
 const WEIGHTS: f64 = 1e-4;
 
-/// How far a weight may be off by itself: by what lobes of 10⁻⁴ make of a direction's rounding.
-const WEIGHT: f64 = 2e-2;
+/// How far a weight may be off by itself, where that is more than `WEIGHTS`: over what rounding the path's points does to its
+/// densities, which the power heuristic squares.
+const WEIGHT: f64 = 3.0;
 
 /// Relative differences of energies that rounding makes.
 const ROUNDING: f64 = 2e-5;
@@ -150,9 +153,12 @@ impl Row {
         if seen.paths > 0 {
             self.weights = Some(seen.worst_sum);
             // A NaN is a fault.
-            if !(seen.worst_sum <= WEIGHTS && seen.worst_weight <= WEIGHT) {
+            if !(seen.worst_sum <= WEIGHTS && seen.worst_weight_over_condition <= WEIGHT) {
                 let (sum, weight) = (seen.worst_sum, seen.worst_weight);
-                self.faults.push(format!("Σw − 1 up to {sum:.1e}, a weight off by {weight:.1e}"));
+                let over = seen.worst_weight_over_condition;
+                self.faults.push(format!(
+                    "Σw − 1 up to {sum:.1e}, a weight off by {weight:.1e}, {over:.1} times what rounding explains"
+                ));
             }
         }
         if let Some(fault) = seen.failure.filter(|f| f.starts_with("the choice") || f.starts_with("densities")) {

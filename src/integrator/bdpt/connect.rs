@@ -42,8 +42,15 @@ fn emission<A: Accel>(scene: &Scene<A>, z: &Vertex) -> Rgb {
 
 /// For who replays a sample: a path that technique (`s`, `t`) has made, its value with the weight 1 and with its own.
 #[cold]
-fn made(s: u32, t: u32, pixel: Option<[u32; 2]>, light: Option<u32>, values: Option<[Rgb; 2]>, visible: f32) -> Step {
-    Step::Made(Made { technique: Technique { s, t }, pixel, light, values, visible })
+fn made(
+    s: u32,
+    t: u32,
+    seen: Option<([u32; 2], LensNumbers)>,
+    light: Option<u32>,
+    values: Option<[Rgb; 2]>,
+    visible: f32,
+) -> Step {
+    Step::Made(Made { technique: Technique { s, t }, seen, light, values, visible })
 }
 
 impl Bdpt {
@@ -253,7 +260,7 @@ impl Bdpt {
         let visible = scene.visibility(&Ray::segment(y.at.origin(lens.wi), lens.p), &mut recorder.rays.lens);
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_lens(scene, y, &numbers);
-            made(y.number, 1, Some(lens.pixel), None, plain.map(|(_, plain)| [plain, value]), visible)
+            made(y.number, 1, Some((lens.pixel, numbers)), None, plain.map(|(_, plain)| [plain, value]), visible)
         });
         if visible > 0.0 {
             recorder.splat(y.number, 1, lens.pixel, value * visible);
@@ -301,7 +308,7 @@ impl Bdpt {
         let visible = scene.visibility(&Ray::segment(y.origin(lens.wi), lens.p), &mut recorder.rays.lens);
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_light_in_lens(scene, light, y, pdf_position, &numbers);
-            made(1, 1, Some(lens.pixel), None, plain.map(|(_, plain)| [plain, value]), visible)
+            made(1, 1, Some((lens.pixel, numbers)), None, plain.map(|(_, plain)| [plain, value]), visible)
         });
         if visible > 0.0 {
             recorder.splat(1, 1, lens.pixel, value * visible);

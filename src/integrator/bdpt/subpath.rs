@@ -57,7 +57,7 @@ impl Bdpt {
         let mut number = 2;
         while number - 1 <= self.settings.max_bounces {
             let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light, &mut varying) else {
-                recorder.tell(|| Step::Left { toward: ray.d });
+                recorder.tell(|| Step::Left { toward: ray.d, through_window: false });
                 return;
             };
             if self.settings.class.ends_light_subpath(light, number, arrival.through_window) {
@@ -146,7 +146,7 @@ impl Bdpt {
         let mut coins = sampler.coins();
         let primary = camera_ray(&scene.camera, pixel, &mut sampler);
         let mut ray = primary.ray;
-        recorder.tell(|| Step::Camera { from: ray.o, toward: ray.d, pdf: primary.pdf.0 });
+        recorder.tell(|| Step::Camera { from: ray.o, toward: ray.d, pdf: primary.pdf.0, lens: primary.lens });
         let mut receiver = Receiver::anywhere(ray.o);
         let mut varying = Bsdf::Black;
         let mut beta = Rgb::ONE;
@@ -158,7 +158,7 @@ impl Bdpt {
             let arrival = match scene.follow(ray, &mut coins, &mut recorder.rays.camera, &mut varying) {
                 Reached::Surface(arrival) => arrival,
                 Reached::Infinity { through_window } => {
-                    recorder.tell(|| Step::Left { toward: ray.d });
+                    recorder.tell(|| Step::Left { toward: ray.d, through_window });
                     if !scene.environments.is_empty() && !self.settings.class.ends_camera_subpath(number, true) {
                         // A point at infinity: no distance and no cosine belong to the edge.
                         let partial = match &departure {

@@ -10,70 +10,24 @@
 //! The densities come from the lights, the camera and the BSDFs under test: that they are the densities of what is
 //! sampled is for the tests of those to show.
 
+mod densities;
 mod paths;
+pub mod replay;
 
-use paths::{FullPath, Inner, random_path};
+use densities::{Densities, Scatter};
+use paths::{FullPath, random_path};
 
 use super::connect::EmitterHit;
 use super::mis::{Departure, LightStart, Mis, Partial};
 use super::{Bdpt, Vertex};
 use crate::accel::Accel;
-use crate::bsdf::{Bsdf, Transport};
-use crate::camera::CameraSample;
+use crate::bsdf::Bsdf;
 use crate::geometry::SurfacePoint;
 use crate::integrator::{Crop, Settings};
-use crate::light::{LightPoint, Receiver};
-use crate::math::{Rgb, Vec3};
+use crate::light::LightPoint;
+use crate::math::Rgb;
 use crate::scene::Scene;
 use crate::scene::desc::Heuristic;
-
-/// What one direction of travel makes of a scattering vertex.
-#[derive(Clone, Copy, Debug)]
-struct Scatter {
-    weight: Rgb,
-    pdf_fwd: f64,
-    pdf_rev: f64,
-    cos_out: f64,
-    delta: bool,
-}
-
-/// The BSDF between given directions: evaluated, or for delta lobes sampled anew (of lacquer the coat, which reflects).
-fn scatter(v: &Inner, to_previous: Vec3, to_next: Vec3, transport: Transport) -> Option<Scatter> {
-    let cos_out = f64::from(to_next.dot(v.at.ng).abs());
-    if !v.delta {
-        let value = v.bsdf.eval(&v.at, to_previous, to_next, transport)?;
-        let pdf_fwd = f64::from(value.pdf_fwd.0);
-        return Some(Scatter {
-            weight: value.f / value.pdf_fwd.0,
-            pdf_fwd,
-            pdf_rev: f64::from(value.pdf_rev.0),
-            cos_out,
-            delta: false,
-        });
-    }
-    let lobe = if to_previous.dot(v.at.ng) * to_next.dot(v.at.ng) > 0.0 { 0.0 } else { 1.0 - 0.5 * f32::EPSILON };
-    let s = v.bsdf.sample(&v.at, to_previous, lobe, [0.5, 0.5], transport)?;
-    (s.wi.dot(to_next) > 1.0 - 1e-5).then_some(Scatter {
-        weight: s.weight,
-        pdf_fwd: f64::from(s.pdf_fwd.0),
-        pdf_rev: f64::from(s.pdf_rev.0),
-        cos_out,
-        delta: true,
-    })
-}
-
-/// Whether the facets of a rough interface that refract one direction into the other are seen nearly edge-on. The cosine is
-/// then a difference of numbers near 1, of which f32 keeps few digits, and it is a factor of every density.
-fn facet_edge_on(v: &Inner, a: Vec3, b: Vec3) -> bool {
-    let Bsdf::RoughDielectric(interface) = v.bsdf else { return false };
-    let [sa, sb] = [a, b].map(|w| w.dot(v.at.ng));
-    if sa * sb > 0.0 {
-        return false;
-    }
-    let eta = |side: f32| if side > 0.0 { 1.0 } else { interface.ior };
-    let half = (a * eta(sa) + b * eta(sb)).normalize();
-    half.dot(a).abs().min(half.dot(b).abs()) < 0.02
-}
 
 /// What both the oracle and the production code are asked about.
 #[derive(Debug)]
@@ -96,6 +50,8 @@ struct Verdict {
     oracle: f64,
     /// Contribution × density × count.
     measurement: f64,
+    /// Relative error of the unweighted contribution.
+    contribution: f64,
 }
 
 impl<'a, A: Accel> Judge<'a, A> {
@@ -113,144 +69,14 @@ impl<'a, A: Accel> Judge<'a, A> {
     /// `None` when the path carries nothing or leaves the view, and when `fault` says what is wrong with it.
     fn judge(&self, path: &FullPath, fault: &mut Option<String>) -> Option<Vec<Verdict>> {
         let scene = self.scene;
-        let k = path.inner.len() + 1; // the camera's index
+        let densities = Densities::of(self, path, fault)?;
+        let Densities { k, emission, direct, pmf_emission, receiver, .. } = densities;
         let light = &scene.lights[path.light as usize];
-        let choice = scene.light_choice.as_ref()?;
-        // The lens point is the path's own; that of parallel rays follows from the vertex they see.
-        let lens = path.lens(scene)?;
-        let p = |i: usize| path.point(i);
-        let dir = |i: usize, j: usize| path.direction(i, j);
-        let d2 = |i: usize| path.distance_squared(scene, i); // edge i, i+1
-        let cos_in = |i: usize, from: usize| match i {
-            0 => path.start.cos(dir(0, from)),
-            i => f64::from(path.inner[i - 1].at.ng.dot(dir(i, from)).abs()),
-        };
-        if light.is_infinite() && k == 1 {
-            return None; // Seen directly; no other technique makes that path.
-        }
-        let le = light.emitted(&path.start, dir(0, 1));
-        if le == Rgb::ZERO {
-            return None;
-        }
-        // Joined points of one plane see each other edge-on; visibility, left out here, excludes them.
-        if (0..k).any(|i| (i > 0 && cos_in(i, i - 1) < 1e-6) || cos_in(i, i + 1) < 1e-6) {
-            return None;
-        }
-        if (1..k).any(|i| facet_edge_on(&path.inner[i - 1], dir(i, i - 1), dir(i, i + 1))) {
-            return None;
-        }
-        let geometry = &scene.geometry;
-        let pmf_emission = choice.pmf_emission(path.light);
-        let emission = (light.pdf_emission_position(geometry, &path.start) * pmf_emission).0;
-        // Nobody asks for light at the camera: (1,1) starts by emission.
-        let receiver = match path.inner.first() {
-            Some(v) => Receiver::new(&v.at, dir(1, 0), v.bsdf.transmits()),
-            None => Receiver::anywhere(p(1)),
-        };
-        let direct = scene.pdf_direct(&receiver, path.light, &path.start).0;
-        let direction = light.pdf_emission_direction(&path.start, dir(0, 1)).0;
-
-        // Scattering in both directions of travel; index 0 unused.
-        let mut from_light: Vec<Option<Scatter>> = vec![None];
-        let mut from_camera: Vec<Option<Scatter>> = vec![None];
-        for i in 1..k {
-            let v = &path.inner[i - 1];
-            let (back, forth) = (dir(i, i - 1), dir(i, i + 1));
-            let outwards = scatter(v, back, forth, Transport::Importance)?;
-            let mut inwards = scatter(v, forth, back, Transport::Radiance)?;
-            if !v.delta {
-                // The same bits, but for refraction by facets: their half vectors are scaled by η one way, by 1/η the other.
-                // Of a lobe of width α the density changes by 2/α of what the half vector's direction is off.
-                let off = match v.bsdf {
-                    Bsdf::RoughDielectric(b) => {
-                        1e-5_f64.max(1e-6 / f64::from(b.roughness.alpha[0].min(b.roughness.alpha[1])))
-                    }
-                    _ => 0.0,
-                };
-                let same = |a: f64, b: f64| a == b || (a / b - 1.0).abs() < off;
-                let holds = same(outwards.pdf_fwd, inwards.pdf_rev) && same(outwards.pdf_rev, inwards.pdf_fwd);
-                if !holds {
-                    *fault = Some(format!("densities at a vertex: {outwards:?} {inwards:?}"));
-                    return None;
-                }
-            } else {
-                // Both walks must give the lobe the same ratio of densities. Sampled anew, each follows Snell's law
-                // from its own rounding, which grazing refraction magnifies: one of the two serves as the stored one.
-                let ratio = outwards.pdf_rev * inwards.pdf_rev / (outwards.pdf_fwd * inwards.pdf_fwd);
-                if (ratio - 1.0).abs() >= 2e-2 {
-                    *fault = Some(format!("densities of a delta lobe: {outwards:?} {inwards:?}"));
-                    return None;
-                }
-                (inwards.pdf_fwd, inwards.pdf_rev) = (outwards.pdf_rev, outwards.pdf_fwd);
-            }
-            from_light.push(Some(outwards));
-            from_camera.push(Some(inwards));
-        }
-        let fl = |i: usize| from_light[i].expect("filled above");
-        let fc = |i: usize| from_camera[i].expect("filled above");
-
-        // Densities per area of vertex i from either side, multiplied out in f64. At a delta vertex both are counted
-        // in the light walk's units, as `BsdfSample::pdf_rev` says.
-        let forward = |i: usize| {
-            let w = if i == 1 { direction } else { fl(i - 1).pdf_fwd };
-            w * cos_in(i, i - 1) / d2(i - 1)
-        };
-        let backward = |i: usize| {
-            let w = if i == k - 1 { lens.pdf.0 } else { fc(i + 1).pdf_fwd };
-            w * cos_in(i, i + 1) / d2(i)
-        };
-        // Light arrives along this path: next-event estimation must have a chance to find it, whatever the choice of the light
-        // knows of receivers. Its bounds are good to a rounding at grazing angles.
-        if k > 1 && !path.windows[0] && !path.inner[0].delta {
-            let grazing = cos_in(1, 0) < 1e-4 || path.start.cos(dir(0, 1)) < 1e-4;
-            if direct == 0.0 {
-                if !grazing {
-                    *fault = Some("the choice of the light misses what shines on the receiver".to_owned());
-                }
-                return None;
-            }
-        }
-        let density = |s: usize| {
-            let mut product = 1.0;
-            for i in 0..k {
-                product *= match i {
-                    0 if s == 0 => backward(0),
-                    0 if s == 1 && k > 1 => direct,
-                    0 => emission,
-                    i if i < s => forward(i),
-                    i => backward(i),
-                };
-            }
-            product
-        };
-        let connectible = |i: usize| i == 0 || i == k || !path.inner[i - 1].delta;
-        let feasible = |s: usize| match s {
-            0 => !light.is_delta(),
-            s if s == k && k == 1 => !light.is_delta() && !path.windows[0],
-            s => connectible(s - 1) && connectible(s) && !path.windows[s - 1],
-        };
-        let feasible = |s: usize| feasible(s) && (s != k || self.light_paths > 0.0);
-        let count = |s: usize| match s {
-            s if s == k => self.light_paths,
-            0 | 1 => 1.0,
-            _ => self.connections,
-        };
-        let terms: Vec<f64> = (0..=k)
-            .map(|s| {
-                let x = if feasible(s) { density(s) * count(s) } else { 0.0 };
-                match self.heuristic {
-                    Heuristic::Power => x * x,
-                    Heuristic::Balance => x,
-                    Heuristic::Uniform => f64::from(u8::from(x > 0.0)),
-                }
-            })
-            .collect();
-        let total: f64 = terms.iter().sum();
 
         // The production recursion along the same vertices.
-        let (light_side, camera_side) = self.subpaths(path, k, le, emission, direct, direction, &lens, &fl, &fc);
+        let (light_side, camera_side) = self.subpaths(&densities);
         let mut verdicts = Vec::new();
-        for s in (0..=k).filter(|&s| feasible(s)) {
+        for s in (0..=k).filter(|&s| densities.feasible(s)) {
             let value = |b: &Bdpt| -> Option<Rgb> {
                 match s {
                     0 => {
@@ -269,26 +95,20 @@ impl<'a, A: Accel> Judge<'a, A> {
             };
             let (with, without) = (value(&self.weighted)?, value(&self.plain)?);
             let (with, without) = (f64::from(with.max_element()), f64::from(without.max_element()));
-            let oracle = terms[s] / total;
-            verdicts.push(Verdict { s, weight: with / without, oracle, measurement: without * density(s) * count(s) });
+            let (oracle, measure) = (densities.weight(s), densities.density(s) * densities.count(s));
+            // By the factors that were multiplied out, as f64.
+            let contribution = without / densities.contribution(s).max_element() - 1.0;
+            verdicts.push(Verdict { s, weight: with / without, oracle, measurement: without * measure, contribution });
         }
         Some(verdicts)
     }
 
     /// The vertices of either side with throughput and partial sums, by the production recursion.
-    #[allow(clippy::too_many_arguments, clippy::type_complexity)] // one caller; a struct would only rename them
     fn subpaths<'p>(
         &'p self,
-        path: &'p FullPath,
-        k: usize,
-        le: Rgb,
-        emission: f64,
-        direct: f64,
-        direction: f64,
-        lens: &CameraSample,
-        fl: &dyn Fn(usize) -> Scatter,
-        fc: &dyn Fn(usize) -> Scatter,
+        densities: &'p Densities<'p>,
     ) -> (impl Fn(usize) -> Vertex + 'p, impl Fn(usize) -> Vertex + 'p) {
+        let Densities { path, k, le, emission, direct, direction, lens, .. } = *densities;
         let mis: Mis = self.weighted.mis;
         let light = &self.scene.lights[path.light as usize];
         let dir = |i: usize, j: usize| path.direction(i, j);
@@ -316,7 +136,7 @@ impl<'a, A: Accel> Judge<'a, A> {
                 Some(d) => mis.arrive(d, d2, cos, open),
             };
             lights.push(Vertex { at: v.at, wo, bsdf: v.bsdf, beta, partial, number: i as u32 + 1 });
-            let s = fl(i);
+            let s = densities.scatter_from_light(i);
             beta *= s.weight;
             let count = if i == 1 { mis.next_event } else { mis.connections };
             let Scatter { pdf_fwd, pdf_rev, cos_out, delta, .. } = s;
@@ -348,7 +168,7 @@ impl<'a, A: Accel> Judge<'a, A> {
             if i == 0 {
                 break;
             }
-            let s = fc(i);
+            let s = densities.scatter_from_camera(i);
             beta *= s.weight;
             let count = if number == 2 { mis.light_paths } else { mis.connections };
             let Scatter { pdf_fwd, pdf_rev, cos_out, delta, .. } = s;
@@ -372,6 +192,10 @@ pub struct Seen {
     pub worst_sum: f64,
     /// The largest deviation of a weight from the oracle's, over that plus 10⁻⁶.
     pub worst_weight: f64,
+    /// The same over what rounding the path's points may do, where it is more than 10⁻⁴.
+    pub worst_weight_over_condition: f64,
+    /// The largest relative error of an unweighted contribution.
+    pub worst_contribution: f64,
     worst_identity: f64,
     /// Over the tail: the largest deviation, the largest condition, the largest ratio of the one to the other.
     worst_tail: f64,
@@ -422,7 +246,15 @@ impl Seen {
         for v in &verdicts {
             let off = (v.weight - v.oracle).abs() / (v.oracle + 1e-6);
             seen.worst_weight = seen.worst_weight.max(off);
+            if off.is_nan() || off >= 1e-4 {
+                let condition = replay::condition(judge, &path);
+                // A NaN is off without bound.
+                let over = if off.is_nan() { f64::INFINITY } else { off / condition };
+                seen.worst_weight_over_condition = seen.worst_weight_over_condition.max(over);
+            }
             require(off < 1e-4, "a weight differs from the oracle's");
+            seen.worst_contribution = seen.worst_contribution.max(v.contribution.abs());
+            require(v.contribution.abs() < 1e-5, "a contribution is not the product of its factors");
             // The stored points around a delta vertex are a rounding away from Snell's law: the cosines there are off
             // by that rounding over the edge's length and the cosine. Everywhere else the identity holds to rounding.
             let spread = (v.measurement / verdicts[0].measurement - 1.0).abs();
@@ -452,6 +284,8 @@ impl Seen {
             tail: self.tail + o.tail,
             worst_sum: self.worst_sum.max(o.worst_sum),
             worst_weight: self.worst_weight.max(o.worst_weight),
+            worst_weight_over_condition: self.worst_weight_over_condition.max(o.worst_weight_over_condition),
+            worst_contribution: self.worst_contribution.max(o.worst_contribution),
             worst_identity: self.worst_identity.max(o.worst_identity),
             worst_tail: self.worst_tail.max(o.worst_tail),
             worst_condition: self.worst_condition.max(o.worst_condition),

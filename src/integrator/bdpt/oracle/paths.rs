@@ -67,7 +67,7 @@ impl FullPath {
     }
 
     /// Puts the camera's end where the lens says: parallel rays start opposite what they see.
-    fn with_lens<A: Accel>(mut self, scene: &Scene<A>) -> Option<Self> {
+    pub fn with_lens<A: Accel>(mut self, scene: &Scene<A>) -> Option<Self> {
         self.camera = self.lens(scene)?.p;
         Some(self)
     }

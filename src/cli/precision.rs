@@ -1,0 +1,44 @@
+//! `twinlight precision`: a scene's samples against f64.
+
+use super::args::{AccelArg, PrecisionArgs, Size};
+use super::render::load;
+use super::{Failure, print, status};
+use crate::accel::bvh::BvhAccel;
+#[cfg(feature = "embree")]
+use crate::accel::embree::EmbreeAccel;
+use crate::accel::{Accel, AccelOptions};
+use crate::integrator::Settings;
+use crate::scene::{Prepared, Scene, prepare};
+use crate::stress::precision;
+
+pub fn run(args: &PrecisionArgs) -> Result<(), Failure> {
+    let mut desc = load(&args.scene)?;
+    if let Some(Size(size)) = args.size {
+        desc.camera.resolution = size;
+    }
+    let settings = Settings {
+        max_bounces: args.max_bounces.unwrap_or(desc.integrator.max_bounces),
+        roulette: desc.integrator.russian_roulette,
+        heuristic: desc.integrator.heuristic,
+        sampler: desc.sampler.kind,
+        seed: desc.sampler.seed,
+        ..Settings::default()
+    };
+    let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
+    match args.accel {
+        #[cfg(feature = "embree")]
+        AccelArg::Embree => with::<EmbreeAccel>(args, prepared, settings),
+        AccelArg::Bvh => with::<BvhAccel>(args, prepared, settings),
+    }
+}
+
+fn with<A: Accel>(args: &PrecisionArgs, prepared: Prepared, settings: Settings) -> Result<(), Failure> {
+    let scene: Scene<A> = Scene::build(prepared, AccelOptions::default()).map_err(Failure::other)?;
+    let found = precision(&scene, settings, args.spp);
+    print(&if args.json {
+        format!("{:#}\n", found.json())
+    } else {
+        format!("{}: bdpt, {} spp, {}\n{}", args.scene.display(), args.spp, A::NAME, found.text())
+    });
+    Ok(())
+}
