@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::args::InfoArgs;
 use super::render::load;
+use super::settings::{integrator, missing, usual_subpaths};
 use super::{Failure, count, figures, print, status};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
@@ -21,13 +22,14 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let desc = load(&args.scene)?;
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
     let scene = args.scene.display().to_string();
+    let integrator = integrator(&desc);
     let facts = Facts {
         accelerators: accelerators(),
         lights: prepared.lights.iter().map(|l| Lamp::of(l, &prepared)).collect(),
         skipped: prepared.needs.skipped(),
         notes: (desc.notes.iter().cloned())
             .chain(prepared.warnings.iter().map(ToString::to_string))
-            .chain(prepared.needs.missing().iter().map(ToString::to_string))
+            .chain(missing(integrator, usual_subpaths(integrator).0, &prepared).into_iter().map(str::to_owned))
             .collect(),
         desc: &desc,
         prepared: &prepared,

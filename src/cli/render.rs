@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use super::args::{AccelArg, AovArg, RenderArgs};
 use super::progress::{Reporter, duration};
-use super::settings::{black_technique, departures, idle_options, name, override_desc, pyramid_edges, settings};
+use super::settings::{
+    black_technique, departures, idle_options, missing, name, override_desc, pyramid_edges, settings,
+};
 use super::{Failure, memory, print, pyramid, same_file, stats, status, tell};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
@@ -62,6 +64,12 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     for warning in &prepared.warnings {
         say(args, &format!("warning: {warning}"));
+    }
+    // A technique rendered alone is known to be a part.
+    if settings.only.is_none() {
+        for note in missing(settings.integrator, settings.light_paths, &prepared) {
+            say(args, &format!("note: {note}"));
+        }
     }
     if desc.samples == 1 && AovArg::wanted(&args.aovs).contains(&Aov::Variance) {
         say(args, "note: the variance of one sample per pixel cannot be told and is written as 0; use --spp 2 or more");

@@ -20,6 +20,7 @@ mod scan;
 mod scene_json;
 mod settings;
 mod surfaces;
+mod synonyms;
 mod textures;
 mod transform;
 mod value;
@@ -48,7 +49,11 @@ pub enum ImportError {
 impl fmt::Display for ImportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Io { path, source } => write!(f, "{}: cannot read the scene file: {source}", path.display()),
+            Self::Io { path, source } => {
+                write!(f, "{}: cannot read the scene file: {source}", path.display())?;
+                // What the system says needs a hint; what we say of folders holds one.
+                if source.raw_os_error().is_some() { f.write_str(CHECK_NAME) } else { Ok(()) }
+            }
             Self::Scene(error) => error.fmt(f),
         }
     }
@@ -100,6 +105,9 @@ fn read(path: &Path) -> io::Result<Vec<u8>> {
     let message = format!("this is a folder; give the scene file inside ({found})");
     Err(io::Error::new(io::ErrorKind::IsADirectory, message))
 }
+
+/// What to do about a file that the system would not open.
+const CHECK_NAME: &str = "; check the name and the permissions";
 
 /// Scenes listed in a message.
 const MAX_NAMES: usize = 5;

@@ -168,7 +168,9 @@ impl<'a> Context<'a> {
         match mesh_file::load_mesh(&path) {
             Ok(mesh) => Some(mesh),
             Err(mesh_file::MeshFileError::Unreadable(what)) => {
-                self.error(node, format!("cannot read {}: {what}", path.display()));
+                // The system's own words end with its number; others say themselves what to do.
+                let hint = if what.contains("(os error ") { super::CHECK_NAME } else { "" };
+                self.error(node, format!("cannot read {}: {what}{hint}", path.display()));
                 None
             }
             Err(mesh_file::MeshFileError::UnknownFormat) => {

@@ -276,7 +276,8 @@ impl Builder {
         if missing && (emit || self.details.follows_uv(surface.material, &surface.finish)) {
             self.errors.push(Diagnostic {
                 at: surface.at.clone(),
-                message: "an image is laid over this surface, which has no texture coordinates; give its mesh uvs                           (`vt` in OBJ, `u` and `v` in PLY, \"uvs\" inline), or use a checker or marble texture"
+                message: "an image is laid over this surface, which has no texture coordinates; give its mesh uvs \
+                          (`vt` in OBJ, `u` and `v` in PLY, \"uvs\" inline), or use a checker or marble texture"
                     .into(),
             });
         }
