@@ -16,6 +16,8 @@ use twinlight::output::read_image;
 mod arguments;
 #[path = "cli/assets.rs"]
 mod assets;
+#[path = "cli/assets_images.rs"]
+mod assets_images;
 #[path = "cli/errors_page.rs"]
 mod errors_page;
 #[path = "cli/failures.rs"]

@@ -263,6 +263,19 @@ pub const ARGUMENTS: &[Arguments] = &[
                   `.png` (sRGB)",
     },
     Arguments {
+        what: "Auxiliary images and no EXR",
+        arguments: "scene.json --aovs depth -o image.png",
+        status: 2,
+        message: "twinlight: --aovs writes its images into an EXR, and none is written: add -o NAME.exr",
+    },
+    Arguments {
+        what: "Statistics where no file can be",
+        arguments: "scene.json --stats /dev/null",
+        status: 2,
+        message: "twinlight: cannot write `/dev/null`: it is not a regular file, which writing would replace; choose another \
+                  name",
+    },
+    Arguments {
         what: "An output without an extension",
         arguments: "scene.json -o image",
         status: 2,

@@ -1,9 +1,5 @@
-//! Mistakes in the files that a scene names, meshes and images, and what users are told: a table behind
+//! Mistakes in the files that a scene names, meshes and images, and what users are told: tables behind
 //! `docs/ERRORS.md`.
-
-use std::io::Cursor;
-
-use exr::prelude::{Image, SpecificChannels, WritableImage as _};
 
 /// A file with a mistake in it.
 pub struct Asset {
@@ -18,7 +14,7 @@ pub struct Asset {
     pub user: Option<&'static str>,
 }
 
-const ASSET: Asset = Asset { what: "", name: "", content: Content::Text(""), message: "", user: None };
+pub const ASSET: Asset = Asset { what: "", name: "", content: Content::Text(""), message: "", user: None };
 
 /// A file's bytes.
 pub enum Content {
@@ -216,6 +212,102 @@ pub const MESH_FILES: &[Asset] = &[
         ..ASSET
     },
     Asset {
+        what: "PLY: an unknown line in the header",
+        name: "a.ply",
+        content: Content::Text("ply\nformat ascii 1.0\nvertices 3\nend_header\n"),
+        message: ":3:9: unknown header line `vertices`; allowed: format, element, property, comment, obj_info, end_header",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: an unknown version",
+        name: "a.ply",
+        content: Content::Text("ply\nformat ascii 2.0\nend_header\n"),
+        message: ":2:17: unknown version `2.0`; allowed: 1.0",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: no format",
+        name: "a.ply",
+        content: Content::Text("ply\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n"),
+        message: ":5:1: the header has no `format` line",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: an element that is there twice",
+        name: "a.ply",
+        content: Content::Text("ply\nformat ascii 1.0\nelement face 0\nelement face 0\nend_header\n"),
+        message: ":4:15: duplicate element `face`",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: a property of nothing",
+        name: "a.ply",
+        content: Content::Text("ply\nformat ascii 1.0\nproperty float x\nend_header\n"),
+        message: ":3:9: a property before the first element",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: an element of nothing",
+        name: "a.ply",
+        content: Content::Text("ply\nformat ascii 1.0\nelement vertex 1\nelement face 0\nend_header\n0\n"),
+        message: ": element `vertex` has no properties",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: no faces in the header",
+        name: "a.ply",
+        content: Content::Text(
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
+        ),
+        message: ": the header has no element `face`",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: vertices without a place",
+        name: "a.ply",
+        content: Content::Text(
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty uchar red\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n0\n",
+        ),
+        message: ": the vertices have no x, y, z",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: faces without corners",
+        name: "a.ply",
+        content: Content::Text(
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty int flags\nend_header\n0 0 0\n7\n",
+        ),
+        message: ": the faces have no list `vertex_indices`",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: corners that are no whole numbers",
+        name: "a.ply",
+        content: Content::Text(
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar float vertex_indices\nend_header\n0 0 0\n3 0 0 0\n",
+        ),
+        message: ": `vertex_indices` must be of a whole-number type",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: a list whose length is no whole number",
+        name: "a.ply",
+        content: Content::Text(
+            "ply\nformat ascii 1.0\nelement face 1\nproperty list float int vertex_indices\nend_header\n",
+        ),
+        message: ":4:20: a list's length must be of a whole-number type",
+        ..ASSET
+    },
+    Asset {
+        what: "PLY: a truncated text",
+        name: "a.ply",
+        content: Content::Text(
+            "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n0.5 0.25 1\n",
+        ),
+        message: ":11:1: the file ends before vertex 1; is it truncated?",
+        ..ASSET
+    },
+    Asset {
         what: "PLY: half a normal",
         name: "a.ply",
         content: ply!("3", "property float nx\n", "0 0 0 0\n1 0 0 0\n0 1 0 0\n3 0 1 2"),
@@ -356,151 +448,3 @@ fn binary_ply(x: f32, [count, corners @ ..]: [i32; 4]) -> Vec<u8> {
     }
     bytes
 }
-
-/// An EXR of 2 × 2 pixels, all of them this but for the last.
-fn exr(last: f32) -> Vec<u8> {
-    let pixel = move |at: exr::math::Vec2<usize>| if at.x() + at.y() == 2 { (0.5, last, 0.5) } else { (0.5, 0.5, 0.5) };
-    let mut bytes = Cursor::new(Vec::new());
-    Image::from_channels((2, 2), SpecificChannels::rgb(pixel)).write().to_buffered(&mut bytes).unwrap();
-    bytes.into_inner()
-}
-
-/// An EXR of one channel.
-fn grey_exr() -> Vec<u8> {
-    let channels = SpecificChannels::build().with_channel("Y").with_pixel_fn(|_| (0.5f32,));
-    let mut bytes = Cursor::new(Vec::new());
-    Image::from_channels((2, 2), channels).write().to_buffered(&mut bytes).unwrap();
-    bytes.into_inner()
-}
-
-/// An EXR whose header claims another size than it has.
-fn claiming_exr(side: i32) -> Vec<u8> {
-    let mut bytes = exr(0.5);
-    for name in [&b"dataWindow\0box2i\0"[..], b"displayWindow\0box2i\0"] {
-        let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
-        for corner in [at + 8, at + 12] {
-            bytes[corner..corner + 4].copy_from_slice(&(side - 1).to_le_bytes());
-        }
-    }
-    // Of tiles of 64 × 64 pixels.
-    let name = &b"chunkCount\0int\0"[..];
-    let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
-    let tiles = (side + 63) / 64;
-    bytes[at..at + 4].copy_from_slice(&(tiles * tiles).to_le_bytes());
-    bytes
-}
-
-/// The start of a PNG whose header claims this size, with a right checksum.
-fn claiming_png(side: u32) -> Vec<u8> {
-    let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
-    let mut header = b"IHDR".to_vec();
-    header.extend([side.to_be_bytes(), side.to_be_bytes()].concat());
-    header.extend([8, 2, 0, 0, 0]);
-    for (length, chunk) in [(13u32, header), (0, b"IDAT".to_vec())] {
-        let mut crc = flate2::Crc::new();
-        crc.update(&chunk);
-        bytes.extend(length.to_be_bytes());
-        bytes.extend(chunk);
-        bytes.extend(crc.sum().to_be_bytes());
-    }
-    bytes
-}
-
-pub const IMAGES: &[Asset] = &[
-    Asset {
-        what: "No image at all",
-        name: "a.png",
-        content: Content::Text("no image\n"),
-        message: ": it is no EXR, PNG or Radiance HDR image; convert it to one of them",
-        ..ASSET
-    },
-    Asset {
-        what: "An empty image file",
-        name: "a.exr",
-        content: Content::Text(""),
-        message: ": it is too short to be an image (failed to fill whole buffer); render or copy it again",
-        ..ASSET
-    },
-    Asset {
-        what: "A truncated EXR",
-        name: "a.exr",
-        content: Content::Bytes("the first half of an EXR", || {
-            let whole = exr(0.5);
-            whole[..whole.len() / 2].to_vec()
-        }),
-        message: ": invalid: reference to missing bytes; the file is damaged or uses an unsupported feature",
-        ..ASSET
-    },
-    Asset {
-        what: "A truncated PNG",
-        name: "a.png",
-        content: Content::Bytes("the header of a PNG of 2 × 2 pixels", || claiming_png(2)),
-        message: ": unexpected end of file; the file is damaged or uses an unsupported feature",
-        ..ASSET
-    },
-    Asset {
-        what: "A size that no memory holds, in an EXR",
-        name: "a.exr",
-        content: Content::Bytes("an EXR that claims 1000000 × 1000000 pixels", || claiming_exr(1_000_000)),
-        message: ": its header claims 1000000 × 1000000 pixels; allowed are 1 to 268435456 in all",
-        ..ASSET
-    },
-    Asset {
-        what: "A size that the file cannot hold, in an EXR",
-        name: "a.exr",
-        content: Content::Bytes("an EXR that claims 16000 × 16000 pixels", || claiming_exr(16_000)),
-        message: ": its header claims 16000 × 16000 pixels in 62500 chunks, which 446 bytes cannot hold; the file is cut off or \
-                  damaged",
-        ..ASSET
-    },
-    Asset {
-        what: "A size that no memory holds, in a PNG",
-        name: "a.png",
-        content: Content::Bytes("a PNG that claims 1000000 × 1000000 pixels", || claiming_png(1_000_000)),
-        message: ": its header claims 1000000 × 1000000 pixels; allowed are 1 to 268435456 in all",
-        ..ASSET
-    },
-    Asset {
-        what: "A size that no memory holds, in a Radiance HDR",
-        name: "sky.hdr",
-        content: Content::Text("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n"),
-        message: ": its header claims 2000000000 × 2000000000 pixels; allowed are 1 to 268435456 in all",
-        ..ASSET
-    },
-    Asset {
-        what: "Missing channels",
-        name: "a.exr",
-        content: Content::Bytes("an EXR with the channel Y alone", grey_exr),
-        message: ": no layer has the channels R, G and B; there are: Y",
-        ..ASSET
-    },
-    Asset {
-        what: "A texel out of range",
-        name: "a.exr",
-        content: Content::Bytes("an EXR of 2 × 2 pixels, the last of them [0.5, 1.25, 0.5]", || exr(1.25)),
-        message: ": the texel in column 1, row 1 (from the top left), [0.5, 1.25, 0.5], is out of range; allowed: 0 to 1",
-        user: Some(", used by scene.json:1:72: /materials/0/albedo"),
-        ..ASSET
-    },
-    Asset {
-        what: "A texel that is not finite",
-        name: "a.exr",
-        content: Content::Bytes("an EXR of 2 × 2 pixels, the last of them [0.5, NaN, 0.5]", || exr(f32::NAN)),
-        message: ": the texel in column 1, row 1 (from the top left), [0.5, NaN, 0.5], is not finite; allowed: finite numbers",
-        ..ASSET
-    },
-    Asset {
-        what: "An environment that is negative",
-        name: "sky.exr",
-        content: Content::Bytes("an EXR of 2 × 2 pixels, the last of them [0.5, −0.25, 0.5]", || exr(-0.25)),
-        message: ": the texel in column 1, row 1 (from the top left), [0.5, -0.25, 0.5], is out of range; allowed: 0 to 3.4e38",
-        ..ASSET
-    },
-    Asset {
-        what: "An environment that is not finite",
-        name: "sky.exr",
-        content: Content::Bytes("an EXR of 2 × 2 pixels, the last of them [0.5, ∞, 0.5]", || exr(f32::INFINITY)),
-        message: ": the texel in column 1, row 1 (from the top left), [0.5, inf, 0.5], is not finite; allowed: finite numbers",
-        ..ASSET
-    },
-];

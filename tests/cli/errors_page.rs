@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use super::arguments::{ARGUMENTS, Arguments, COMMANDS};
-use super::assets::{Asset, Content, IMAGES, MESH_FILES};
+use super::assets::{Asset, Content, MESH_FILES};
+use super::assets_images::IMAGES;
 use super::mistakes::SCENES;
 use super::notes::NOTES;
 

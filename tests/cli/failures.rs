@@ -5,7 +5,8 @@ use std::os::unix::net::UnixStream;
 use std::process::Stdio;
 
 use super::arguments::{ARGUMENTS, COMMANDS};
-use super::assets::{IMAGES, MESH_FILES};
+use super::assets::MESH_FILES;
+use super::assets_images::IMAGES;
 use super::mistakes::SCENES;
 use super::{Folder, ROOM};
 use twinlight::film::Image;

@@ -128,6 +128,20 @@ const JSON: &[Scene] = &[
         ],
     },
     Scene {
+        what: "No arrays where there must be some",
+        text: "{\"camera\": {\"transform\": «3}, \"integrator\": «3, \"textures\": «{}, \"materials\": «{}, \"surfaces\": «{}, \
+               \"lights\": «3, \"media\": «3}",
+        messages: &[
+            "/camera/transform: expected an object or an array of objects, found the number 3",
+            "/integrator: expected an object or a string, found the number 3",
+            "/textures: expected an array of textures, found an object",
+            "/materials: expected an array of materials, found an object",
+            "/surfaces: expected an array of surfaces, found an object",
+            "/lights: expected an array of lights, found the number 3",
+            "/media: expected an array, found the number 3",
+        ],
+    },
+    Scene {
         what: "A number beyond 64-bit floats",
         text: r#"{"camera": {"fdist": «1e999}}"#,
         messages: &["/camera/fdist: 1e999 is not a finite 64-bit number; allowed: above 0"],

@@ -312,6 +312,19 @@ pub const MESHES: &[Scene] = &[
         ],
     },
     Scene {
+        what: "No arrays in a mesh, and no positions for its faces",
+        text: "{\"camera\": {}, \"surfaces\": [\n  {\"type\": \"mesh\", \"material\": {\"type\": \"mirror\"}, \"positions\": «4, \
+               \"indices\": []},\n  {\"type\": \"mesh\", \"material\": {\"type\": \"mirror\"}, \"positions\": [[0, 0, 0]], \"indices\": \
+               «7},\n  {\"type\": \"mesh\", \"material\": {\"type\": \"mirror\"}, \"positions\": [[0, 0, 0]], \"indices\": [«7]},\n  {\"type\": \
+               \"mesh\", \"material\": {\"type\": \"mirror\"}, \"positions\": [], \"indices\": [«[0, 1, 2]]}]}",
+        messages: &[
+            "/surfaces/0/positions: expected an array of arrays of 3 numbers, found the number 4",
+            "/surfaces/1/indices: expected an array of faces, each an array of 3 or 4 indices, found the number 7",
+            "/surfaces/2/indices/0: expected an array of 3 or 4 indices, found the number 7",
+            "/surfaces/3/indices/0: the mesh has no positions for its faces",
+        ],
+    },
+    Scene {
         what: "Faces of no or too many corners, or none",
         text: "{\"camera\": {}, \"surfaces\": [{\"type\": \"mesh\", \"material\": {\"type\": \"mirror\"},\n  \"positions\": [[0, 0, \
                0], [1, 0, 0], [0, 1, 0]], \"indices\": [«[0, 1], «[0, 1, 2, 0, 1]]},\n {\"type\": \"mesh\", \"material\": {\"type\": \
