@@ -26,6 +26,8 @@ mod failures;
 mod images;
 #[path = "cli/info.rs"]
 mod info;
+#[path = "cli/memory.rs"]
+mod memory;
 #[path = "cli/mistakes.rs"]
 mod mistakes;
 #[path = "cli/mistakes_in_parts.rs"]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{AccelArg, AovArg, RenderArgs};
+use super::available::Limit;
 use super::progress::{Reporter, duration};
 use super::settings::{
     black_technique, departures, idle_options, missing, name, override_desc, pyramid_edges, settings,
@@ -18,12 +19,12 @@ use crate::integrator::{Crop, Settings};
 use crate::output::{self, Format, Metadata, Window};
 use crate::render::{Aov, AovJob, Extras, RenderJob, Rendered, render_with};
 use crate::scene::desc::{IntegratorKind, SceneDesc};
-use crate::scene::{Prepared, Scene, prepare, surface_materials};
+use crate::scene::{Memory, Prepared, Scene, prepare, surface_materials};
 
-/// Reads a scene file.
-pub fn load(path: &Path) -> Result<SceneDesc, Failure> {
+/// Reads a scene file whose meshes fit into a limit of memory.
+pub fn load(path: &Path, limit: Limit) -> Result<SceneDesc, Failure> {
     refuse_image(path)?;
-    import::load_scene(path).map_err(|e| match e {
+    import::load_scene_within(path, limit.bytes).map_err(|e| match e {
         ImportError::Scene(e) => Failure::new(status::DATA, e),
         e @ ImportError::Io { .. } => Failure::other(e),
     })
@@ -43,18 +44,19 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut phases = stats::Phases::default();
     // Before the outputs, whose default name may be the image's own, or the folder's.
     refuse_image(&args.scene)?;
+    let limit = Limit::of(args);
     if args.scene.is_dir() {
-        load(&args.scene)?;
+        load(&args.scene, limit)?;
     }
     let outputs = outputs(args)?;
 
     let start = Instant::now();
-    let mut desc = load(&args.scene)?;
+    let mut desc = load(&args.scene, limit)?;
     override_desc(&mut desc, args);
     phases.parse = start.elapsed();
     let crop = crop(args, desc.camera.resolution)?;
     let settings = settings(&desc, args)?;
-    memory::check(args, crop, kept_edges(args), AOV_EDGES)?;
+    memory::check(args, &Memory::of(&desc), crop, kept_edges(args), AOV_EDGES, limit)?;
 
     let start = Instant::now();
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;

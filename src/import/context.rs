@@ -22,6 +22,8 @@ pub(super) struct Context<'a> {
     document: Document<'a>,
     /// Where the files named by the scene lie.
     pub base_dir: &'a Path,
+    /// Bytes that meshes may take, and do so far.
+    pub memory: [u64; 2],
     /// The textures read so far.
     pub textures: Textures<'a>,
     /// What the reader should know but need not mend, with the offset it belongs to.
@@ -87,11 +89,12 @@ impl<'a> Object<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// A reader of a document whose file names are relative to `base_dir`.
-    pub fn new(document: Document<'a>, base_dir: &'a Path) -> Self {
+    /// A reader of a document whose file names are relative to `base_dir`, and whose meshes may take so many bytes.
+    pub fn new(document: Document<'a>, base_dir: &'a Path, memory: u64) -> Self {
         Self {
             document,
             base_dir,
+            memory: [memory, 0],
             textures: Textures::default(),
             notes: Vec::new(),
             diagnostics: Vec::new(),

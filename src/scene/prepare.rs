@@ -91,7 +91,8 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
         return Err(SceneError { diagnostics: errors });
     }
     if geometry.normals.iter().all(|n| *n == Vec3::ZERO) {
-        geometry.normals.clear();
+        // Not only cleared: their memory is given back.
+        geometry.normals = Vec::new();
     }
     geometry.cut_outs = details.cut_outs(&surfaces);
     let reach = reach(&camera, &geometry);

@@ -32,8 +32,8 @@ pub const ARGUMENTS: &[Arguments] = &[
         what: "The folder of the scene",
         arguments: ".",
         status: 1,
-        message: "twinlight: .: cannot read the scene file: this is a folder; give the scene file inside (found: latin1.json, \
-                  old.json, scene.json, utf16.json)",
+        message: "twinlight: .: cannot read the scene file: this is a folder; give the scene file inside (found: large.json, \
+                  latin1.json, old.json, scene.json, utf16.json)",
     },
     Arguments {
         what: "An image for a scene",
@@ -347,24 +347,52 @@ pub const ARGUMENTS: &[Arguments] = &[
     },
     Arguments {
         what: "A pyramid beyond memory",
-        arguments: "scene.json --size 16384x16384 --pyramid stages",
+        arguments: "scene.json --size 16384x16384 --pyramid stages --max-memory 16G",
         status: 2,
-        message: "twinlight: the film of 16384 × 16384 pixels and those of 27 techniques take 420.0 GiB, more than the 16 GiB \
-                  allowed; use a smaller --size or a --crop or fewer --pyramid-edges",
+        message: "twinlight: the film of 16384 × 16384 pixels and those of 27 techniques take 420.0 GiB, more than the 16.0 GiB of \
+                  --max-memory; use a smaller --size or a --crop or fewer --pyramid-edges or a larger --max-memory",
     },
     Arguments {
         what: "Techniques kept apart beyond memory for auxiliary images",
-        arguments: "scene.json --size 8192x8192 --aovs direct",
+        arguments: "scene.json --size 8192x8192 --aovs direct --max-memory 16G",
         status: 2,
         message: "twinlight: the film of 8192 × 8192 pixels, those of 5 techniques, 9 auxiliary channels take 24.8 GiB, more \
-                  than the 16 GiB allowed; use a smaller --size or a --crop or fewer --aovs",
+                  than the 16.0 GiB of --max-memory; use a smaller --size or a --crop or fewer --aovs or a larger --max-memory",
     },
     Arguments {
         what: "A variance beyond memory",
-        arguments: "scene.json --size 16384x16384 --aovs variance",
+        arguments: "scene.json --size 16384x16384 --aovs variance --max-memory 16G",
         status: 2,
-        message: "twinlight: the film of 16384 × 16384 pixels and 3 auxiliary channels take 57.0 GiB, more than the 16 GiB \
-                  allowed; use a smaller --size or a --crop or fewer --aovs",
+        message: "twinlight: the film of 16384 × 16384 pixels and 3 auxiliary channels take 57.0 GiB, more than the 16.0 GiB \
+                  of --max-memory; use a smaller --size or a --crop or fewer --aovs or a larger --max-memory",
+    },
+    Arguments {
+        what: "A scene beyond memory",
+        arguments: "scene.json --size 512x512 --max-memory 16M",
+        status: 2,
+        message: "twinlight: the render takes about 25.0 MiB at once (film 15.0 MiB, the program itself 10.0 MiB), more than the \
+                  16.0 MiB of --max-memory; use a smaller --size or a --crop or a simpler scene or a larger --max-memory",
+    },
+    Arguments {
+        what: "A mesh beyond memory (`large.obj`, which `large.json` names, has 2 MiB)",
+        arguments: "large.json --max-memory 1M",
+        status: 65,
+        message: "twinlight: large.json:1:58: /surfaces/0/filename: large.obj has 2.0 MiB: more than the 1.0 MiB of memory \
+                  allowed; use a simpler mesh or a larger --max-memory",
+    },
+    Arguments {
+        what: "Memory without a unit",
+        arguments: "scene.json --max-memory 8",
+        status: 2,
+        message: "error: invalid value '8' for '--max-memory <SIZE>': write it as a number and a unit, K, M, G or T, for example \
+                  8G or 512M",
+    },
+    Arguments {
+        what: "No memory",
+        arguments: "scene.json --max-memory 0G",
+        status: 2,
+        message: "error: invalid value '0G' for '--max-memory <SIZE>': the number must be above 0 and at most 1000000, for \
+                  example 8G or 512M",
     },
 ];
 

@@ -65,6 +65,11 @@ fn a_mistake_in_a_scene_is_told_and_touches_no_file() {
 fn a_mistake_in_the_arguments_is_told_and_touches_no_file() {
     let folder = folder("arguments");
     folder.write("scene.json", GOOD);
+    folder.write("large.obj", "#".repeat(2 << 20));
+    folder.write(
+        "large.json",
+        r#"{"camera": {}, "surfaces": [{"type": "mesh", "filename": "large.obj", "material": {"type": "mirror"}}]}"#,
+    );
     for (name, width) in [("a.exr", 2), ("a.png", 2), ("b.exr", 3)] {
         write_image(&folder.path(name), &Image::new(width, 2), &Metadata::default(), 0.0).unwrap();
     }
