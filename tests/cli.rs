@@ -1,7 +1,7 @@
 //! The built program as its user runs it: what it writes, what it says and with which status it ends.
 //!
 //! Every test has a folder of its own, which is the program's current folder. `docs/ERRORS.md` is made from the
-//! tables of `cli/mistakes.rs` and `cli/arguments.rs`: `UPDATE_DOCS=1 cargo test --test cli` writes it, otherwise a
+//! tables of `cli/mistakes.rs`, `cli/mistakes_in_parts.rs`, `cli/assets.rs`, `cli/arguments.rs` and `cli/notes.rs`: `UPDATE_DOCS=1 cargo test --test cli` writes it, otherwise a
 //! stale page fails.
 
 use std::collections::BTreeMap;
@@ -14,6 +14,10 @@ use twinlight::output::read_image;
 
 #[path = "cli/arguments.rs"]
 mod arguments;
+#[path = "cli/assets.rs"]
+mod assets;
+#[path = "cli/assets_images.rs"]
+mod assets_images;
 #[path = "cli/errors_page.rs"]
 mod errors_page;
 #[path = "cli/failures.rs"]
@@ -22,8 +26,14 @@ mod failures;
 mod images;
 #[path = "cli/info.rs"]
 mod info;
+#[path = "cli/memory.rs"]
+mod memory;
 #[path = "cli/mistakes.rs"]
 mod mistakes;
+#[path = "cli/mistakes_in_parts.rs"]
+mod mistakes_in_parts;
+#[path = "cli/notes.rs"]
+mod notes;
 #[path = "cli/options.rs"]
 mod options;
 #[path = "cli/precision.rs"]

@@ -28,6 +28,16 @@ pub struct DeltaHit {
     pub point: u32,
 }
 
+/// Memory that a backend takes beside the geometry, bytes for each triangle or quadric, as measured over grids and soups of
+/// 10⁵ to 4·10⁶ triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct Footprint {
+    /// At most, while it is built.
+    pub building: u64,
+    /// Once it is built.
+    pub built: u64,
+}
+
 /// An acceleration structure over a scene's `Geometry`.
 ///
 /// Rays are half-open to nothing: hits with `tmin ≤ t ≤ tmax` count, `t = 0` included, as Embree's robust mode
@@ -36,6 +46,9 @@ pub struct DeltaHit {
 pub trait Accel: Sync + Send + Sized {
     /// The backend's name, as the command line spells it.
     const NAME: &'static str;
+
+    /// The memory it takes.
+    const FOOTPRINT: Footprint;
 
     /// Builds the structure. The geometry is shared, not copied.
     ///

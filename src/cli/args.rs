@@ -71,6 +71,9 @@ pub struct RenderArgs {
     /// Render these pixels only; the ends are exclusive
     #[arg(long, value_name = "x0,y0,x1,y1")]
     pub crop: Option<CropArg>,
+    /// Refuse what would take more memory than this, for example 8G or 512M [default: 80 % of what is available]
+    #[arg(long, value_name = "SIZE")]
+    pub max_memory: Option<MemoryArg>,
     /// Write times, ray counts and settings as JSON; - is standard output
     #[arg(long, value_name = "FILE.json")]
     pub stats: Option<PathBuf>,
@@ -364,6 +367,29 @@ impl FromStr for Size {
             }
             Some(_) => Err("each side must be 1 to 65536 pixels, the area at most 268435456".into()),
             None => Err("write it as 640x480".into()),
+        }
+    }
+}
+
+/// A size in memory, in bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct MemoryArg(pub u64);
+
+impl FromStr for MemoryArg {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        let digits = s.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+        let unit = s[digits.len()..].to_ascii_uppercase();
+        let power = match unit.trim_end_matches('B').trim_end_matches('I') {
+            "K" => 10,
+            "M" => 20,
+            "G" => 30,
+            "T" => 40,
+            _ => return Err("write it as a number and a unit, K, M, G or T, for example 8G or 512M".into()),
+        };
+        match digits.parse::<f64>() {
+            Ok(n) if n > 0.0 && n <= 1e6 => Ok(Self((n * f64::from(power).exp2()) as u64)),
+            _ => Err("the number must be above 0 and at most 1000000, for example 8G or 512M".into()),
         }
     }
 }

@@ -3,33 +3,41 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
+use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use super::args::InfoArgs;
+use super::args::{AccelArg, InfoArgs};
+use super::available::{Limit, size};
+use super::memory::PROGRAM;
 use super::render::load;
+use super::settings::{integrator, missing, usual_subpaths};
 use super::{Failure, count, figures, print, status};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
 use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
+use crate::film::BYTES_PER_PIXEL;
 use crate::geometry::Geometry;
 use crate::light::{Cone, Emitter, Light, Profile};
 use crate::scene::desc::SceneDesc;
-use crate::scene::{Prepared, prepare};
+use crate::scene::{Memory, Prepared, prepare};
 
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let desc = load(&args.scene)?;
+    let desc = load(&args.scene, Limit::sensible())?;
+    let memory = Memory::of(&desc);
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
     let scene = args.scene.display().to_string();
+    let integrator = integrator(&desc);
     let facts = Facts {
         accelerators: accelerators(),
         lights: prepared.lights.iter().map(|l| Lamp::of(l, &prepared)).collect(),
         skipped: prepared.needs.skipped(),
         notes: (desc.notes.iter().cloned())
             .chain(prepared.warnings.iter().map(ToString::to_string))
-            .chain(prepared.needs.missing().iter().map(ToString::to_string))
+            .chain(missing(integrator, usual_subpaths(integrator).0, &prepared).into_iter().map(str::to_owned))
             .collect(),
         desc: &desc,
+        memory,
         prepared: &prepared,
     };
     print(&if args.json { format!("{:#}\n", facts.json(&scene)) } else { facts.text(&scene) });
@@ -39,6 +47,7 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
 /// What can be told about a scene.
 struct Facts<'a> {
     desc: &'a SceneDesc,
+    memory: Memory,
     prepared: &'a Prepared,
     accelerators: Vec<String>,
     lights: Vec<Lamp>,
@@ -49,6 +58,25 @@ struct Facts<'a> {
 impl Facts<'_> {
     fn integrator(&self) -> String {
         format!("{:?}", self.desc.integrator.kind).to_lowercase()
+    }
+
+    fn film(&self) -> u64 {
+        self.desc.camera.resolution.iter().map(|side| u64::from(*side)).product::<u64>() * BYTES_PER_PIXEL
+    }
+
+    /// What a plain render takes at once, by accelerator.
+    fn peaks(&self) -> Vec<(String, u64)> {
+        let peak = |accel: &AccelArg| self.memory.peak(accel.footprint(), self.film()).1 + PROGRAM;
+        let name = |accel: &AccelArg| format!("{accel:?}").to_lowercase();
+        AccelArg::value_variants().iter().map(|accel| (name(accel), peak(accel))).collect()
+    }
+
+    fn memory(&self) -> String {
+        let peaks: Vec<String> =
+            self.peaks().into_iter().map(|(accel, bytes)| format!("{} with {accel}", size(bytes))).collect();
+        let Memory { geometry, textures, .. } = self.memory;
+        let (geometry, textures, film) = (size(geometry), size(textures), size(self.film()));
+        format!("about {} (geometry {geometry}, textures {textures}, film {film})", peaks.join(" or "))
     }
 
     fn json(&self, scene: &str) -> Value {
@@ -65,6 +93,12 @@ impl Facts<'_> {
             "vertices": g.positions.len(),
             "quadrics": g.quadrics.len(),
             "delta_points": g.delta_points.len(),
+            "memory": {
+                "geometry": self.memory.geometry,
+                "textures": self.memory.textures,
+                "film": self.film(),
+                "peak": self.peaks().into_iter().collect::<std::collections::BTreeMap<_, _>>(),
+            },
             "lights": self.lights.iter().map(Lamp::json).collect::<Vec<Value>>(),
             "center": self.prepared.center.to_array(),
             "scale": self.prepared.scale,
@@ -89,6 +123,7 @@ impl Facts<'_> {
         let scale = self.prepared.scale.log2();
         let _ = writeln!(out, "  render space recentred on ({center}), scaled by 2^{scale}");
         let _ = writeln!(out, "  accelerators {}; the first is the default", self.accelerators.join("; "));
+        let _ = writeln!(out, "  memory       {}", self.memory());
         let _ = writeln!(out, "  lights       {}", self.lights.len());
         for lamp in self.lights.iter().take(20) {
             let _ = writeln!(out, "    {}", lamp.text());

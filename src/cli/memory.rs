@@ -1,13 +1,19 @@
-//! Whether a render's images fit a sensible amount of memory, asked before anything is allocated.
+//! Whether a render fits into memory, asked before anything is allocated for it.
 
 use super::Failure;
-use super::args::{AovArg, RenderArgs};
+use super::args::{AccelArg, AovArg, RenderArgs};
+use super::available::{Limit, size};
+use crate::accel::Footprint;
 use crate::film::{BYTES_PER_PIXEL, VARIANCE_BYTES_PER_PIXEL};
 use crate::integrator::Crop;
 use crate::render::{Aov, FIRST_SURFACE_BYTES};
+use crate::scene::Memory;
 
-/// Films and auxiliary images larger than this in all are refused.
-const LARGEST: u64 = 16 << 30;
+/// The program itself, with the library that answers rays.
+pub const PROGRAM: u64 = 10 << 20;
+
+/// Below this share of the whole a part is not worth naming.
+const WORTH_NAMING: u64 = 50;
 
 /// What one pixel takes.
 struct PerPixel {
@@ -35,14 +41,23 @@ impl PerPixel {
     }
 }
 
-/// Checks the film, those of the techniques kept apart for paths of up to `edges` edges, and the auxiliary images.
+/// Checks the scene, the film, those of the techniques kept apart for paths of up to `edges` edges, and the auxiliary images.
 ///
 /// # Errors
 /// What they take in all, when it is too much, and which options would make it less.
-pub fn check(args: &RenderArgs, crop: Crop, edges: Option<u32>, aov_edges: u32) -> Result<(), Failure> {
+pub fn check(
+    args: &RenderArgs,
+    scene: &Memory,
+    crop: Crop,
+    edges: Option<u32>,
+    aov_edges: u32,
+    limit: Limit,
+) -> Result<(), Failure> {
     let per_pixel = PerPixel::new(edges.unwrap_or(0).into(), &AovArg::wanted(&args.aovs), aov_edges);
-    let bytes = per_pixel.bytes.saturating_mul(crop.pixels());
-    if bytes <= LARGEST {
+    let film = per_pixel.bytes.saturating_mul(crop.pixels());
+    let (parts, peak) = scene.peak(args.accel.footprint(), film);
+    let peak = peak.saturating_add(PROGRAM);
+    if peak <= limit.bytes {
         return Ok(());
     }
     let mut what = vec![format!("the film of {} × {} pixels", crop.width(), crop.height())];
@@ -57,15 +72,55 @@ pub fn check(args: &RenderArgs, crop: Crop, edges: Option<u32>, aov_edges: u32) 
         what.push(super::count(per_pixel.channels as usize, "auxiliary channel", "auxiliary channels"));
         mend.push("fewer --aovs");
     }
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let words = limit.words();
+    if film > limit.bytes {
+        return Err(Failure::usage(format!(
+            "{} {} {}, more than {words}; use {} or a larger --max-memory",
+            what.join(if what.len() == 2 { " and " } else { ", " }),
+            if what.len() > 1 { "take" } else { "takes" },
+            size(film),
+            mend.join(" or ")
+        )));
+    }
+    // What cannot help is no advice.
+    if !parts.iter().any(|(part, bytes)| *part == "film" && bytes.saturating_mul(WORTH_NAMING) > peak) {
+        mend.clear();
+    }
+    if let Some(smaller) = smaller(args.accel, scene, film, limit) {
+        mend.insert(0, smaller);
+    }
+    mend.extend(["a simpler scene", "a larger --max-memory"]);
+    let parts = parts.into_iter().chain([("the program itself", PROGRAM)]);
+    let parts = parts.filter(|(_, bytes)| bytes.saturating_mul(WORTH_NAMING) > peak);
+    let parts: Vec<String> = parts.map(|(part, bytes)| format!("{part} {}", size(bytes))).collect();
     Err(Failure::usage(format!(
-        "{} {} {:.1} GiB, more than the {:.0} GiB allowed; use {}",
-        what.join(if what.len() == 2 { " and " } else { ", " }),
-        if what.len() > 1 { "take" } else { "takes" },
-        gib(bytes),
-        gib(LARGEST),
+        "the render takes about {} at once ({}), more than {words}; use {}",
+        size(peak),
+        parts.join(", "),
         mend.join(" or ")
     )))
+}
+
+/// Another accelerator that would do.
+fn smaller(accel: AccelArg, scene: &Memory, film: u64, limit: Limit) -> Option<&'static str> {
+    #[cfg(feature = "embree")]
+    if accel != AccelArg::Embree && scene.peak(AccelArg::Embree.footprint(), film).1 + PROGRAM <= limit.bytes {
+        return Some("--accel embree");
+    }
+    let _ = (accel, scene, film, limit);
+    None
+}
+
+impl AccelArg {
+    /// What it takes.
+    pub fn footprint(self) -> Footprint {
+        use crate::accel::Accel;
+        match self {
+            #[cfg(feature = "embree")]
+            Self::Embree => crate::accel::embree::EmbreeAccel::FOOTPRINT,
+            Self::Bvh => crate::accel::bvh::BvhAccel::FOOTPRINT,
+        }
+    }
 }
 
 #[cfg(test)]

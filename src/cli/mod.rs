@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand. Only this module knows arguments, terminals and exit codes.
 
 mod args;
+mod available;
 mod compare;
 mod convert;
 mod info;

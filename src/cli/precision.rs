@@ -1,6 +1,7 @@
 //! `twinlight precision`: a scene's samples against f64.
 
 use super::args::{AccelArg, PrecisionArgs, Size};
+use super::available::Limit;
 use super::render::load;
 use super::{Failure, print, status};
 use crate::accel::bvh::BvhAccel;
@@ -12,7 +13,7 @@ use crate::scene::{Prepared, Scene, prepare};
 use crate::stress::precision;
 
 pub fn run(args: &PrecisionArgs) -> Result<(), Failure> {
-    let mut desc = load(&args.scene)?;
+    let mut desc = load(&args.scene, Limit::sensible())?;
     if let Some(Size(size)) = args.size {
         desc.camera.resolution = size;
     }

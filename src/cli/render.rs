@@ -4,8 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{AccelArg, AovArg, RenderArgs};
+use super::available::Limit;
 use super::progress::{Reporter, duration};
-use super::settings::{black_technique, departures, idle_options, name, override_desc, pyramid_edges, settings};
+use super::settings::{
+    black_technique, departures, idle_options, missing, name, override_desc, pyramid_edges, settings,
+};
 use super::{Failure, memory, print, pyramid, same_file, stats, status, tell, trace};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
@@ -16,12 +19,12 @@ use crate::integrator::{Crop, Settings};
 use crate::output::{self, Format, Metadata, Window};
 use crate::render::{Aov, AovJob, Extras, RenderJob, Rendered, render_with};
 use crate::scene::desc::{IntegratorKind, SceneDesc};
-use crate::scene::{Prepared, Scene, prepare, surface_materials};
+use crate::scene::{Memory, Prepared, Scene, prepare, surface_materials};
 
-/// Reads a scene file.
-pub fn load(path: &Path) -> Result<SceneDesc, Failure> {
+/// Reads a scene file whose meshes fit into a limit of memory.
+pub fn load(path: &Path, limit: Limit) -> Result<SceneDesc, Failure> {
     refuse_image(path)?;
-    import::load_scene(path).map_err(|e| match e {
+    import::load_scene_within(path, limit.bytes).map_err(|e| match e {
         ImportError::Scene(e) => Failure::new(status::DATA, e),
         e @ ImportError::Io { .. } => Failure::other(e),
     })
@@ -41,20 +44,21 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut phases = stats::Phases::default();
     // Before the outputs, whose default name may be the image's own, or the folder's.
     refuse_image(&args.scene)?;
+    let limit = Limit::of(args);
     if args.scene.is_dir() {
-        load(&args.scene)?;
+        load(&args.scene, limit)?;
     }
     // A replay writes nothing, whatever the command wrote that it is added to.
     let outputs = if args.trace { Vec::new() } else { outputs(args)? };
 
     let start = Instant::now();
-    let mut desc = load(&args.scene)?;
+    let mut desc = load(&args.scene, limit)?;
     override_desc(&mut desc, args);
     phases.parse = start.elapsed();
     let crop = crop(args, desc.camera.resolution)?;
     let settings = settings(&desc, args)?;
     let replay = trace::wanted(args, &desc)?;
-    memory::check(args, crop, kept_edges(args), AOV_EDGES)?;
+    memory::check(args, &Memory::of(&desc), crop, kept_edges(args), AOV_EDGES, limit)?;
 
     let start = Instant::now();
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
@@ -64,6 +68,12 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     for warning in &prepared.warnings {
         say(args, &format!("warning: {warning}"));
+    }
+    // A technique rendered alone is known to be a part.
+    if settings.only.is_none() {
+        for note in missing(settings.integrator, settings.light_paths, &prepared) {
+            say(args, &format!("note: {note}"));
+        }
     }
     if desc.samples == 1 && AovArg::wanted(&args.aovs).contains(&Aov::Variance) {
         say(args, "note: the variance of one sample per pixel cannot be told and is written as 0; use --spp 2 or more");

@@ -60,11 +60,7 @@ pub fn pyramid_edges(args: &RenderArgs) -> Option<u32> {
 /// # Errors
 /// Options that contradict each other, that the integrator has no use for, or that leave it nothing to do.
 pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure> {
-    let integrator = match desc.integrator.kind {
-        IntegratorKind::Auto | IntegratorKind::Bdpt => Integrator::Bdpt,
-        IntegratorKind::Path => Integrator::Path,
-        IntegratorKind::Light => Integrator::Light,
-    };
+    let integrator = integrator(desc);
     check_subpaths(integrator, args)?;
     // What is not done is told as 0, in the metadata too.
     let (light_paths, connections) = usual_subpaths(integrator);
@@ -89,8 +85,17 @@ pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure
     }
 }
 
+/// What the scene, or the command line over it, renders by.
+pub fn integrator(desc: &SceneDesc) -> Integrator {
+    match desc.integrator.kind {
+        IntegratorKind::Auto | IntegratorKind::Bdpt => Integrator::Bdpt,
+        IntegratorKind::Path => Integrator::Path,
+        IntegratorKind::Light => Integrator::Light,
+    }
+}
+
 /// Light subpaths per sample, and how many of them are connected, unless told otherwise.
-fn usual_subpaths(integrator: Integrator) -> (u32, u32) {
+pub fn usual_subpaths(integrator: Integrator) -> (u32, u32) {
     match integrator {
         Integrator::Path => (0, 0),
         Integrator::Light => (1, 0),
@@ -198,6 +203,40 @@ pub fn black_technique(settings: &Settings, prepared: &Prepared) -> Option<Strin
         _ => return None,
     };
     Some(format!("--technique {},{}: the image will be black: {why}", t.s, t.t))
+}
+
+/// What is missing from the image because the integrator, with so many light subpaths, has no technique that finds it.
+pub fn missing(integrator: Integrator, light_paths: u32, prepared: &Prepared) -> Vec<&'static str> {
+    let needs = &prepared.needs;
+    let caustics = needs.delta_lights && needs.delta_surfaces && needs.connections;
+    match integrator {
+        _ if !needs.light => Vec::new(),
+        Integrator::Light => {
+            let sky = |l: &Light| l.is_infinite() && !l.is_delta();
+            let mut out = Vec::new();
+            if needs.delta_surfaces {
+                out.push(
+                    "what is seen in mirrors or through smooth glass is missing: light subpaths cannot be joined to the \
+                     camera there; use bdpt",
+                );
+            }
+            if needs.windows {
+                out.push(
+                    "what is seen through windows (`null`) is missing: they block connections to the camera; use bdpt",
+                );
+            }
+            if prepared.lights.iter().any(sky) {
+                out.push("the sky itself is missing: the light integrator finds only what it lights; use bdpt");
+            }
+            out
+        }
+        Integrator::Path | Integrator::Bdpt if light_paths == 0 && caustics => vec![
+            "caustics of point, spot and directional lights are missing: only light subpaths find them; use bdpt, which finds \
+             those that are not seen in mirrors or through smooth glass",
+        ],
+        Integrator::Path => Vec::new(),
+        Integrator::Bdpt => needs.missing(),
+    }
 }
 
 /// What makes the render another than a plain one, in words for the first line.

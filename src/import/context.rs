@@ -7,6 +7,7 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use super::json::{Document, Entry, Kind, Node, excerpt};
+use super::synonyms::translated;
 use super::textures::Textures;
 use crate::scene::desc::{Diagnostic, Place, SceneError};
 
@@ -21,8 +22,10 @@ pub(super) struct Context<'a> {
     document: Document<'a>,
     /// Where the files named by the scene lie.
     pub base_dir: &'a Path,
+    /// Bytes that meshes may take, and do so far.
+    pub memory: [u64; 2],
     /// The textures read so far.
-    pub textures: Textures,
+    pub textures: Textures<'a>,
     /// What the reader should know but need not mend, with the offset it belongs to.
     notes: Vec<(usize, String)>,
     /// Diagnostics with the offset in the scene file that they belong to.
@@ -86,11 +89,12 @@ impl<'a> Object<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// A reader of a document whose file names are relative to `base_dir`.
-    pub fn new(document: Document<'a>, base_dir: &'a Path) -> Self {
+    /// A reader of a document whose file names are relative to `base_dir`, and whose meshes may take so many bytes.
+    pub fn new(document: Document<'a>, base_dir: &'a Path, memory: u64) -> Self {
         Self {
             document,
             base_dir,
+            memory: [memory, 0],
             textures: Textures::default(),
             notes: Vec::new(),
             diagnostics: Vec::new(),
@@ -205,11 +209,11 @@ impl<'a> Context<'a> {
                 // A key that is not there yet is what was meant, rather than one that is.
                 let absent: Vec<&str> = known().filter(|k| !object.has(k)).collect();
                 let all: Vec<&str> = known().collect();
-                let meant = nearest(key, &absent);
+                let meant = translated(key, &absent).or_else(|| nearest(key, &absent));
                 if let Some(meant) = meant {
                     self.misspelt.insert((object.node.offset, meant.to_owned()));
                 }
-                let hint = did_you_mean(meant.or_else(|| nearest(key, &all)));
+                let hint = did_you_mean(meant.or_else(|| translated(key, &all)).or_else(|| nearest(key, &all)));
                 format!("unknown key {:?};{hint} allowed: {allowed}", excerpt(key))
             };
             self.error(&Node { offset: entry.key_offset, ..entry.value.clone() }, message);
@@ -246,7 +250,7 @@ impl<'a> Context<'a> {
             self.error(node, format!("{what} {word:?} is not supported yet; supported: {}", list(supported)));
             return None;
         }
-        let meant = nearest(&word, supported);
+        let meant = translated(&word, supported).or_else(|| nearest(&word, supported));
         let (shown, hint) = (excerpt(&word), did_you_mean(meant));
         self.error(node, format!("unknown {what} {shown:?};{hint} allowed: {}", list(supported)));
         supported.iter().copied().find(|&s| Some(s) == meant)

@@ -150,6 +150,14 @@ impl<'a> Document<'a> {
         while !self.text.is_char_boundary(offset) {
             offset -= 1;
         }
+        // What is too much is the comma, which may be on an earlier line than the bracket that shows it.
+        if let Some(close @ (b'}' | b']')) = self.text.as_bytes().get(offset) {
+            let before = self.text[..offset].trim_ascii_end();
+            if before.ends_with(',') {
+                let message = format!("invalid JSON: trailing comma before `{}`; delete it", char::from(*close));
+                return self.diagnostic(before.len() - 1, message);
+            }
+        }
         // It may have given up within a word, such as nan: show the whole word.
         let is_word = |b: &u8| b.is_ascii_alphanumeric() || b"+-.".contains(b);
         if self.text.as_bytes().get(offset).is_some_and(is_word) {

@@ -4,6 +4,7 @@
 use super::context::{Context, Keys, Object, Type};
 use super::json::{Kind, Node};
 use super::materials::Materials;
+use super::transform::direction;
 use super::value::{EMISSION, POSITIVE};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::scene::desc::{
@@ -200,9 +201,10 @@ impl<'a> Context<'a> {
 
     /// A direction of unit length.
     fn unit(&mut self, node: &Node<'a>) -> Option<DVec3> {
-        let unit = self.point(node)?.try_normalize();
+        let unit = direction(self.point(node)?);
         if unit.is_none() {
-            self.error(node, format!("the direction has length 0: {} points nowhere", node.text));
+            let message = format!("the direction {} has length 0: it points nowhere; it must not be zero", node.text);
+            self.error(node, message);
         }
         unit
     }
@@ -223,9 +225,14 @@ impl<'a> Context<'a> {
                 return None;
             }
         };
-        let unit = axis.try_normalize();
+        let unit = direction(axis);
         if unit.is_none() {
-            self.error(node, format!("the spot's axis has length 0: {} gives it no direction", node.text));
+            let message = if object.has("at") {
+                format!("\"at\" {} is the spot's own position: it points nowhere; they must differ", node.text)
+            } else {
+                format!("the direction {} has length 0: it points nowhere; it must not be zero", node.text)
+            };
+            self.error(node, message);
         }
         unit
     }

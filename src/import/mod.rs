@@ -20,6 +20,7 @@ mod scan;
 mod scene_json;
 mod settings;
 mod surfaces;
+mod synonyms;
 mod textures;
 mod transform;
 mod value;
@@ -48,7 +49,11 @@ pub enum ImportError {
 impl fmt::Display for ImportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Io { path, source } => write!(f, "{}: cannot read the scene file: {source}", path.display()),
+            Self::Io { path, source } => {
+                write!(f, "{}: cannot read the scene file: {source}", path.display())?;
+                // What the system says needs a hint; what we say of folders holds one.
+                if source.raw_os_error().is_some() { f.write_str(CHECK_NAME) } else { Ok(()) }
+            }
             Self::Scene(error) => error.fmt(f),
         }
     }
@@ -75,11 +80,20 @@ impl From<SceneError> for ImportError {
 /// [`ImportError::Io`] when the scene file cannot be read; [`ImportError::Scene`] with everything that is wrong with
 /// its content or its assets.
 pub fn load_scene(path: &Path) -> Result<SceneDesc, ImportError> {
+    load_scene_within(path, u64::MAX)
+}
+
+/// `load_scene` with a limit in bytes to the memory that meshes may take: a file that alone, or with those before it, takes
+/// more is an error before it is read. What compressed ones inflate to is known only then.
+///
+/// # Errors
+/// As there.
+pub fn load_scene_within(path: &Path, memory: u64) -> Result<SceneDesc, ImportError> {
     let bytes = read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
     let file = path.display().to_string();
     let text = json::decode_utf8(&bytes, &file).map_err(|d| SceneError { diagnostics: vec![d] })?;
     let base = path.parent().unwrap_or(Path::new(""));
-    Ok(scene_from_str(text, &file, base)?)
+    Ok(scene_json::read(text, &file, base, memory)?)
 }
 
 /// Reads a file; of a folder the error names the scenes inside.
@@ -101,6 +115,9 @@ fn read(path: &Path) -> io::Result<Vec<u8>> {
     Err(io::Error::new(io::ErrorKind::IsADirectory, message))
 }
 
+/// What to do about a file that the system would not open.
+const CHECK_NAME: &str = "; check the name and the permissions";
+
 /// Scenes listed in a message.
 const MAX_NAMES: usize = 5;
 
@@ -109,7 +126,7 @@ const MAX_NAMES: usize = 5;
 /// # Errors
 /// Everything that is wrong with the text or with its assets, in file order.
 pub fn scene_from_str(text: &str, file_name: &str, base_dir: &Path) -> Result<SceneDesc, SceneError> {
-    scene_json::read(text, file_name, base_dir)
+    scene_json::read(text, file_name, base_dir, u64::MAX)
 }
 
 /// A place in `file` that is not in JSON.

@@ -26,11 +26,11 @@ const KEYS: Keys = Keys {
     later: &[],
 };
 
-/// Reads a scene from JSON text; see [`super::scene_from_str`].
-pub(super) fn read(text: &str, file: &str, base_dir: &Path) -> Result<SceneDesc, SceneError> {
+/// Reads a scene from JSON text; see [`super::scene_from_str`] and, for the limit, [`super::load_scene_within`].
+pub(super) fn read(text: &str, file: &str, base_dir: &Path, memory: u64) -> Result<SceneDesc, SceneError> {
     let (document, root) = Document::parse(text, file).map_err(|d| SceneError { diagnostics: vec![d] })?;
     let root_place = document.place(root.offset, "");
-    let mut context = Context::new(document, base_dir);
+    let mut context = Context::new(document, base_dir, memory);
     let scene = context.object(&root, "an object with a \"camera\"").and_then(|root| read_scene(&mut context, &root));
     let notes = context.finish()?;
     // Without diagnostics every part is there; saying so beats trusting it.

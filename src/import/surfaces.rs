@@ -1,5 +1,7 @@
 //! Surfaces: a shape, its transform and its material.
 
+use std::path::Path;
+
 use super::context::{Context, Keys, Object, Type};
 use super::json::Node;
 use super::materials::{Materials, type_name};
@@ -165,10 +167,18 @@ impl<'a> Context<'a> {
     fn mesh_from_file(&mut self, node: &Node<'a>) -> Option<MeshDesc> {
         let name = self.string(node)?;
         let path = self.base_dir.join(&name);
+        self.check_memory(node, &path)?;
         match mesh_file::load_mesh(&path) {
-            Ok(mesh) => Some(mesh),
+            Ok(mesh) => {
+                let MeshDesc { positions, normals, uvs, triangles } = &mesh;
+                let sizes = [size_of_val(&positions[..]), size_of_val(&normals[..]), size_of_val(&uvs[..])];
+                self.memory[1] += (sizes.iter().sum::<usize>() + size_of_val(&triangles[..])) as u64;
+                Some(mesh)
+            }
             Err(mesh_file::MeshFileError::Unreadable(what)) => {
-                self.error(node, format!("cannot read {}: {what}", path.display()));
+                // The system's own words end with its number; others say themselves what to do.
+                let hint = if what.contains("(os error ") { super::CHECK_NAME } else { "" };
+                self.error(node, format!("cannot read {}: {what}{hint}", path.display()));
                 None
             }
             Err(mesh_file::MeshFileError::UnknownFormat) => {
@@ -183,5 +193,26 @@ impl<'a> Context<'a> {
                 None
             }
         }
+    }
+    /// Whether a mesh file can be read within the limit of memory: its bytes are there at once, beside the meshes before it.
+    /// Compressed ones are inflated piece by piece, so that their size says nothing.
+    fn check_memory(&mut self, node: &Node<'a>, path: &Path) -> Option<()> {
+        let [most, taken] = self.memory;
+        let compressed = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+        let bytes =
+            std::fs::metadata(path).ok().filter(|file| file.is_file() && !compressed).map_or(0, |file| file.len());
+        if taken.saturating_add(bytes) <= most {
+            return Some(());
+        }
+        let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
+        let others = if taken > 0 { format!(", the meshes before it {}", mib(taken)) } else { String::new() };
+        let message = format!(
+            "{} has {}{others}: more than the {} of memory allowed; use a simpler mesh or a larger --max-memory",
+            path.display(),
+            mib(bytes),
+            mib(most)
+        );
+        self.error(node, message);
+        None
     }
 }

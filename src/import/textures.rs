@@ -37,8 +37,10 @@ type Loaded = (Arc<Texels>, FileKind);
 
 /// The textures read so far.
 #[derive(Default)]
-pub(super) struct Textures {
+pub(super) struct Textures<'a> {
     list: Vec<TextureDesc>,
+    /// By texture the two values that it goes between, or twice the one it has: where messages about its range point to.
+    values: Vec<[Node<'a>; 2]>,
     /// How many textures stand within each other in each of them.
     depths: Vec<usize>,
     /// Which of them, or of what they are made of, is an integer image that was taken for sRGB because nothing was said.
@@ -51,7 +53,7 @@ pub(super) struct Textures {
     images: HashMap<(PathBuf, ColorSpace), Option<Loaded>>,
 }
 
-impl Textures {
+impl Textures<'_> {
     /// All textures in the order of their indices.
     pub fn into_list(self) -> Vec<TextureDesc> {
         self.list
@@ -187,6 +189,13 @@ impl<'a> Context<'a> {
             self.error(&object.node, format!("textures of textures {depth} deep; allowed: at most {MAX_DEPTH}"));
             return None;
         }
+        let value = |key: &str| object.get(key).unwrap_or(&object.node).clone();
+        self.textures.values.push(match kind {
+            "constant" => [value("color"), value("color")],
+            "checker" => [value("even"), value("odd")],
+            "marble" => [value("base"), value("veins")],
+            _ => [value("filename"), value("filename")],
+        });
         self.textures.depths.push(depth);
         self.textures.list.push(texture);
         self.textures.taken_for_srgb.push(taken_for_srgb);
@@ -232,7 +241,7 @@ impl<'a> Context<'a> {
     /// The texels of an image of radiance, which times a scale still are some.
     pub fn radiance_image(&mut self, node: &Node<'a>, name: &str, scale: f64) -> Option<Arc<Texels>> {
         let (texels, _) = self.texels(node, name, ColorSpace::OfFile)?;
-        self.check_texels(node, &texels, scale, EMISSION).then_some(texels)
+        self.check_texels(node, None, &texels, scale, EMISSION).then_some(texels)
     }
 
     /// The texels of a file; each is read once.
@@ -252,7 +261,7 @@ impl<'a> Context<'a> {
         let image = match decode::read(path, *space) {
             Ok(image) => image,
             Err(e) if e.bad_content => {
-                self.error_in_image(node, &file, &e.why);
+                self.error_in_image(node, None, &file, &e.why);
                 return None;
             }
             Err(e) => {
@@ -262,40 +271,45 @@ impl<'a> Context<'a> {
         };
         if let Some(i) = image.rgb.iter().position(|t| !t.iter().all(|x| x.is_finite())) {
             let message = format!("{} is not finite; allowed: finite numbers", texel(&image.rgb, i, image.width));
-            self.error_in_image(node, &file, &message);
+            self.error_in_image(node, None, &file, &message);
             return None;
         }
         let decode::Decoded { width, height, rgb, kind, .. } = image;
         Some((Arc::new(Texels { file, width, height, rgb: Arc::new(rgb) }), kind))
     }
 
-    fn error_in_image(&mut self, node: &Node<'a>, file: &str, message: &str) {
+    fn error_in_image(&mut self, node: &Node<'a>, user: Option<&Node<'a>>, file: &str, message: &str) {
+        let used = user.map_or_else(String::new, |user| format!(", {}", self.used_by(user)));
         let by = self.place(node);
-        self.error_in_asset(node, place_in_file(file, 0, 0), format!("{message} (named by {by})"));
+        self.error_in_asset(node, place_in_file(file, 0, 0), format!("{message} (named by {by}{used})"));
     }
 
-    /// Whether all values that a texture can take lie in a range; one that does not is reported.
-    fn check_range(&mut self, node: &Node<'a>, index: usize, range: Range) -> bool {
+    /// Whether all values that a texture can take lie in the range of what uses it, `user`; one that does not is reported
+    /// at the texture, which is what has to change.
+    fn check_range(&mut self, user: &Node<'a>, index: usize, range: Range) -> bool {
         let parts: [Param<Color>; 2] = match &self.textures.list[index] {
             TextureDesc::Constant(c) => [Param::Value(*c); 2],
             TextureDesc::Checker { even, odd, .. } => [*even, *odd],
             TextureDesc::Marble { base, veins, .. } => [*base, *veins],
             TextureDesc::Image { texels, scale, .. } => {
                 let (texels, scale) = (Arc::clone(texels), *scale);
-                return self.check_texels(node, &texels, scale, range);
+                let [name, _] = self.textures.values[index].clone();
+                return self.check_texels(&name, Some(user), &texels, scale, range);
             }
         };
         for (i, part) in parts.into_iter().enumerate() {
             match part {
                 Param::Texture(part) => {
-                    if !self.check_range(node, part, range) {
+                    if !self.check_range(user, part, range) {
                         return false;
                     }
                 }
                 Param::Value(c) if i == 0 || parts[0] != part => {
-                    if let Some(x) = c.into_iter().find(|x| !(range.holds)(*x)) {
-                        let message = format!("the texture holds {x}, which is out of range; allowed: {}", range.text);
-                        self.error(node, message);
+                    if let Some(channel) = c.iter().position(|x| !(range.holds)(*x)) {
+                        let value = &self.textures.values[index][i];
+                        let node = value.elements().into_iter().nth(channel).unwrap_or_else(|| value.clone());
+                        let (x, used) = (excerpt(node.text), self.used_by(user));
+                        self.error(&node, format!("{x} is out of range; allowed: {} ({used})", range.text));
                         return false;
                     }
                 }
@@ -305,15 +319,29 @@ impl<'a> Context<'a> {
         true
     }
 
-    fn check_texels(&mut self, node: &Node<'a>, texels: &Texels, scale: f64, range: Range) -> bool {
+    /// Whether all texels of a file lie in a range: of what uses it, where that is not the image itself.
+    fn check_texels(
+        &mut self,
+        name: &Node<'a>,
+        user: Option<&Node<'a>>,
+        texels: &Texels,
+        scale: f64,
+        range: Range,
+    ) -> bool {
         // As rendering multiplies them.
         let scaled = |x: f32| x * scale as f32;
         let bad = texels.rgb.iter().position(|t| !t.iter().all(|x| (range.holds)(f64::from(scaled(*x)))));
         let Some(i) = bad else { return true };
         let times = if scale == 1.0 { String::new() } else { format!(" times the scale {scale}") };
         let shown = texel(&texels.rgb, i, texels.width);
-        self.error_in_image(node, &texels.file, &format!("{shown}{times} is out of range; allowed: {}", range.text));
+        let message = format!("{shown}{times} is out of range; allowed: {}", range.text);
+        self.error_in_image(name, user, &texels.file, &message);
         false
+    }
+
+    /// The parameter whose range a texture is held to, in words.
+    fn used_by(&self, user: &Node<'a>) -> String {
+        format!("used by {}", self.place(user))
     }
 }
 

@@ -92,12 +92,17 @@ impl<'a> Context<'a> {
         let at = self.point_or(object, if object.has("to") { "to" } else { "at" }, DVec3::ZERO);
         let up = self.point_or(object, "up", DVec3::Y);
         let (from, at, up) = (from?, at?, up?);
-        let Some(back) = (from - at).try_normalize() else {
+        let Some(back) = direction(from - at) else {
             let message = format!("\"from\" and \"at\" are the same point {}; they must differ", show(from));
             self.error(&object.node, message);
             return None;
         };
-        let right = up.try_normalize().map_or(DVec3::ZERO, |up| up.cross(back));
+        let Some(upward) = direction(up) else {
+            let message = format!("\"up\" {} has length 0: it points nowhere; it must not be zero", show(up));
+            self.error(object.get("up").unwrap_or(&object.node), message);
+            return None;
+        };
+        let right = upward.cross(back);
         if right.length() < PARALLEL {
             let message = format!("\"up\" {} is parallel to the view {}; it must not be", show(up), show(at - from));
             self.error(object.get("up").unwrap_or(&object.node), message);
@@ -112,7 +117,15 @@ impl<'a> Context<'a> {
         let x = self.point_or(object, "x", DVec3::X);
         let y = self.point_or(object, "y", DVec3::Y);
         let z = self.point_or(object, "z", DVec3::Z);
-        Some(DAffine3 { matrix3: DMat3::from_cols(x?, y?, z?), translation: o? })
+        let mut good = true;
+        for (key, axis) in [("x", x), ("y", y), ("z", z)] {
+            if let (Some(DVec3::ZERO), Some(node)) = (axis, object.get(key)) {
+                self.error(node, format!("the axis {key:?} has length 0: it points nowhere; it must not be zero"));
+                good = false;
+            }
+        }
+        let frame = DAffine3 { matrix3: DMat3::from_cols(x?, y?, z?), translation: o? };
+        good.then_some(frame)
     }
 
     fn axis_angle(&mut self, object: &Object<'a>) -> Option<DAffine3> {
@@ -122,8 +135,10 @@ impl<'a> Context<'a> {
     }
 
     fn rotation(&mut self, node: &Node<'a>, axis: DVec3, degrees: f64) -> Option<DAffine3> {
-        let Some(axis) = axis.try_normalize() else {
-            self.error(node, format!("the rotation's axis {} has no direction; it must not be zero", show(axis)));
+        let Some(axis) = direction(axis) else {
+            let message =
+                format!("the rotation's axis {} has length 0: it points nowhere; it must not be zero", show(axis));
+            self.error(node, message);
             return None;
         };
         Some(DAffine3 { matrix3: rotation_matrix(axis, degrees), translation: DVec3::ZERO })
@@ -159,6 +174,11 @@ impl<'a> Context<'a> {
         }
         Some(transform)
     }
+}
+
+/// The direction of a vector; zero has none.
+pub(super) fn direction(v: DVec3) -> Option<DVec3> {
+    Some(unit(v)).filter(|v| *v != DVec3::ZERO)
 }
 
 /// A vector scaled to length one without overflow or underflow on the way; zero stays zero.

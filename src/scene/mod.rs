@@ -5,11 +5,13 @@ pub mod desc;
 mod detail;
 mod duplicates;
 mod material;
+mod memory;
 mod needs;
 mod prepare;
 mod textures;
 
 pub use detail::Details;
+pub use memory::Memory;
 pub use needs::SceneNeeds;
 pub use prepare::{Prepared, Warning, prepare, surface_materials};
 

@@ -91,7 +91,8 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
         return Err(SceneError { diagnostics: errors });
     }
     if geometry.normals.iter().all(|n| *n == Vec3::ZERO) {
-        geometry.normals.clear();
+        // Not only cleared: their memory is given back.
+        geometry.normals = Vec::new();
     }
     geometry.cut_outs = details.cut_outs(&surfaces);
     let reach = reach(&camera, &geometry);
@@ -276,7 +277,8 @@ impl Builder {
         if missing && (emit || self.details.follows_uv(surface.material, &surface.finish)) {
             self.errors.push(Diagnostic {
                 at: surface.at.clone(),
-                message: "an image is laid over this surface, which has no texture coordinates; give its mesh uvs                           (`vt` in OBJ, `u` and `v` in PLY, \"uvs\" inline), or use a checker or marble texture"
+                message: "an image is laid over this surface, which has no texture coordinates; give its mesh uvs \
+                          (`vt` in OBJ, `u` and `v` in PLY, \"uvs\" inline), or use a checker or marble texture"
                     .into(),
             });
         }

@@ -1,10 +1,10 @@
-//! What users get wrong on the command line, and what they are told: the last table behind `docs/ERRORS.md`.
+//! What users get wrong on the command line, and what they are told: tables behind `docs/ERRORS.md`.
 
-/// A command line, after `twinlight render`, with a mistake in it.
+/// A command line with a mistake in it.
 pub struct Arguments {
     /// In words.
     pub what: &'static str,
-    /// The arguments, separated by spaces.
+    /// What follows `twinlight render`, or in `COMMANDS` `twinlight` alone, separated by spaces.
     pub arguments: &'static str,
     /// The exit status.
     pub status: i32,
@@ -13,12 +13,13 @@ pub struct Arguments {
 }
 
 /// What is wrong with the command line itself. `scene.json` is right.
-pub const ARGUMENTS: [Arguments; 45] = [
+pub const ARGUMENTS: &[Arguments] = &[
     Arguments {
         what: "A scene that is not there",
         arguments: "none.json",
         status: 1,
-        message: "twinlight: none.json: cannot read the scene file: No such file or directory (os error 2)",
+        message: "twinlight: none.json: cannot read the scene file: No such file or directory (os error 2); check the name and \
+                  the permissions",
     },
     Arguments {
         what: "A folder for a scene",
@@ -31,8 +32,8 @@ pub const ARGUMENTS: [Arguments; 45] = [
         what: "The folder of the scene",
         arguments: ".",
         status: 1,
-        message: "twinlight: .: cannot read the scene file: this is a folder; give the scene file inside (found: old.json, \
-                  scene.json)",
+        message: "twinlight: .: cannot read the scene file: this is a folder; give the scene file inside (found: large.json, \
+                  latin1.json, old.json, scene.json, utf16.json)",
     },
     Arguments {
         what: "An image for a scene",
@@ -46,6 +47,19 @@ pub const ARGUMENTS: [Arguments; 45] = [
         arguments: "binary",
         status: 65,
         message: "twinlight: binary: this is a binary file, not a scene; a scene is JSON text",
+    },
+    Arguments {
+        what: "A scene in UTF-16",
+        arguments: "utf16.json",
+        status: 65,
+        message: "twinlight: utf16.json:1:1: the file is UTF-16; a scene must be UTF-8 text: save it as UTF-8 without a byte \
+                  order mark",
+    },
+    Arguments {
+        what: "A scene in Latin-1",
+        arguments: "latin1.json",
+        status: 65,
+        message: "twinlight: latin1.json:1:3: byte 0xe9 is not UTF-8; a scene must be UTF-8 text",
     },
     Arguments {
         what: "No scene",
@@ -137,6 +151,25 @@ pub const ARGUMENTS: [Arguments; 45] = [
         message: "error: invalid value '65' for '--pyramid-edges <N>': write it as a whole number, 1 or more (at most 64)",
     },
     Arguments {
+        what: "No technique",
+        arguments: "scene.json --technique 2",
+        status: 2,
+        message: "error: invalid value '2' for '--technique <s,t>': write it as s,t, for example 1,2",
+    },
+    Arguments {
+        what: "A technique without the camera",
+        arguments: "scene.json --technique 2,0",
+        status: 2,
+        message: "error: invalid value '2,0' for '--technique <s,t>': t counts the camera's own vertex: it is at least 1",
+    },
+    Arguments {
+        what: "A technique of one vertex",
+        arguments: "scene.json --technique 0,1",
+        status: 2,
+        message: "error: invalid value '0,1' for '--technique <s,t>': a path has at least two vertices: s + t must be at \
+                  least 2",
+    },
+    Arguments {
         what: "An unknown integrator",
         arguments: "scene.json --integrator bpdt",
         status: 2,
@@ -205,6 +238,18 @@ pub const ARGUMENTS: [Arguments; 45] = [
         message: "twinlight: --technique 2,2: the path integrator has no such technique; use bdpt",
     },
     Arguments {
+        what: "A technique without its light subpaths",
+        arguments: "scene.json --technique 1,1 --light-paths 0",
+        status: 2,
+        message: "twinlight: --technique 1,1: it takes light subpaths; give --light-paths 1 or more",
+    },
+    Arguments {
+        what: "A technique without its connections",
+        arguments: "scene.json --technique 2,2 --connections 0",
+        status: 2,
+        message: "twinlight: --technique 2,2: it takes connections; give --connections 1 or more",
+    },
+    Arguments {
         what: "A technique of too long paths",
         arguments: "scene.json --technique 3,3 --max-bounces 2",
         status: 2,
@@ -215,6 +260,26 @@ pub const ARGUMENTS: [Arguments; 45] = [
         arguments: "scene.json -o image.jpg",
         status: 2,
         message: "twinlight: cannot write `image.jpg`: the extension `.jpg` names no known format; use `.exr` (linear) or \
+                  `.png` (sRGB)",
+    },
+    Arguments {
+        what: "Auxiliary images and no EXR",
+        arguments: "scene.json --aovs depth -o image.png",
+        status: 2,
+        message: "twinlight: --aovs writes its images into an EXR, and none is written: add -o NAME.exr",
+    },
+    Arguments {
+        what: "Statistics where no file can be",
+        arguments: "scene.json --stats /dev/null",
+        status: 2,
+        message: "twinlight: cannot write `/dev/null`: it is not a regular file, which writing would replace; choose another \
+                  name",
+    },
+    Arguments {
+        what: "An output without an extension",
+        arguments: "scene.json -o image",
+        status: 2,
+        message: "twinlight: cannot write `image`: the name has no extension to choose the format by; add `.exr` (linear) or \
                   `.png` (sRGB)",
     },
     Arguments {
@@ -282,23 +347,130 @@ pub const ARGUMENTS: [Arguments; 45] = [
     },
     Arguments {
         what: "A pyramid beyond memory",
-        arguments: "scene.json --size 16384x16384 --pyramid stages",
+        arguments: "scene.json --size 16384x16384 --pyramid stages --max-memory 16G",
         status: 2,
-        message: "twinlight: the film of 16384 × 16384 pixels and those of 27 techniques take 420.0 GiB, more than the 16 GiB \
-                  allowed; use a smaller --size or a --crop or fewer --pyramid-edges",
+        message: "twinlight: the film of 16384 × 16384 pixels and those of 27 techniques take 420.0 GiB, more than the 16.0 GiB of \
+                  --max-memory; use a smaller --size or a --crop or fewer --pyramid-edges or a larger --max-memory",
     },
     Arguments {
         what: "Techniques kept apart beyond memory for auxiliary images",
-        arguments: "scene.json --size 8192x8192 --aovs direct",
+        arguments: "scene.json --size 8192x8192 --aovs direct --max-memory 16G",
         status: 2,
         message: "twinlight: the film of 8192 × 8192 pixels, those of 5 techniques, 9 auxiliary channels take 24.8 GiB, more \
-                  than the 16 GiB allowed; use a smaller --size or a --crop or fewer --aovs",
+                  than the 16.0 GiB of --max-memory; use a smaller --size or a --crop or fewer --aovs or a larger --max-memory",
     },
     Arguments {
         what: "A variance beyond memory",
-        arguments: "scene.json --size 16384x16384 --aovs variance",
+        arguments: "scene.json --size 16384x16384 --aovs variance --max-memory 16G",
         status: 2,
-        message: "twinlight: the film of 16384 × 16384 pixels and 3 auxiliary channels take 57.0 GiB, more than the 16 GiB \
-                  allowed; use a smaller --size or a --crop or fewer --aovs",
+        message: "twinlight: the film of 16384 × 16384 pixels and 3 auxiliary channels take 57.0 GiB, more than the 16.0 GiB \
+                  of --max-memory; use a smaller --size or a --crop or fewer --aovs or a larger --max-memory",
+    },
+    Arguments {
+        what: "A scene beyond memory",
+        arguments: "scene.json --size 512x512 --max-memory 16M",
+        status: 2,
+        message: "twinlight: the render takes about 25.0 MiB at once (film 15.0 MiB, the program itself 10.0 MiB), more than the \
+                  16.0 MiB of --max-memory; use a smaller --size or a --crop or a simpler scene or a larger --max-memory",
+    },
+    Arguments {
+        what: "A mesh beyond memory (`large.obj`, which `large.json` names, has 2 MiB)",
+        arguments: "large.json --max-memory 1M",
+        status: 65,
+        message: "twinlight: large.json:1:58: /surfaces/0/filename: large.obj has 2.0 MiB: more than the 1.0 MiB of memory \
+                  allowed; use a simpler mesh or a larger --max-memory",
+    },
+    Arguments {
+        what: "Memory without a unit",
+        arguments: "scene.json --max-memory 8",
+        status: 2,
+        message: "error: invalid value '8' for '--max-memory <SIZE>': write it as a number and a unit, K, M, G or T, for example \
+                  8G or 512M",
+    },
+    Arguments {
+        what: "No memory",
+        arguments: "scene.json --max-memory 0G",
+        status: 2,
+        message: "error: invalid value '0G' for '--max-memory <SIZE>': the number must be above 0 and at most 1000000, for \
+                  example 8G or 512M",
+    },
+];
+
+/// The other commands. `a.exr` and `b.exr` are images of 2 × 2 and 3 × 2 pixels, `a.png` and `a.exr` show the same.
+pub const COMMANDS: &[Arguments] = &[
+    Arguments {
+        what: "A scene that is not there",
+        arguments: "info none.json",
+        status: 1,
+        message: "twinlight: none.json: cannot read the scene file: No such file or directory (os error 2); check the name and \
+                  the permissions",
+    },
+    Arguments {
+        what: "Images of several sizes",
+        arguments: "compare a.exr b.exr --difference old.png",
+        status: 65,
+        message: "twinlight: the image has 2 × 2 pixels, the reference 3 × 2: render or crop them to one size",
+    },
+    Arguments {
+        what: "An image that is not there",
+        arguments: "compare none.exr a.exr",
+        status: 1,
+        message: "twinlight: cannot read `none.exr`: No such file or directory (os error 2); check the name and the permissions",
+    },
+    Arguments {
+        what: "A folder for an image",
+        arguments: "compare a.exr folder.exr",
+        status: 1,
+        message: "twinlight: cannot read `folder.exr`: it is a folder; give an image file inside it",
+    },
+    Arguments {
+        what: "No image",
+        arguments: "compare a.exr binary --difference old.png",
+        status: 65,
+        message: "twinlight: cannot read `binary`: it is no EXR, PNG or Radiance HDR image; convert it to one of them",
+    },
+    Arguments {
+        what: "A difference that is no PNG",
+        arguments: "compare a.exr a.exr --difference old.exr",
+        status: 2,
+        message: "twinlight: --difference old.exr: the difference is a picture in false colours, not data; give it a name that \
+                  ends in .png",
+    },
+    Arguments {
+        what: "A difference in an image's place",
+        arguments: "compare a.exr a.png --difference a.png",
+        status: 2,
+        message: "twinlight: a.png: this is an image to compare; choose another name",
+    },
+    Arguments {
+        what: "An image that is not there",
+        arguments: "convert none.exr old.png",
+        status: 1,
+        message: "twinlight: cannot read `none.exr`: No such file or directory (os error 2); check the name and the permissions",
+    },
+    Arguments {
+        what: "No image",
+        arguments: "convert binary old.png",
+        status: 65,
+        message: "twinlight: cannot read `binary`: it is no EXR, PNG or Radiance HDR image; convert it to one of them",
+    },
+    Arguments {
+        what: "An unknown format",
+        arguments: "convert a.exr image.tiff",
+        status: 2,
+        message: "twinlight: cannot write `image.tiff`: the extension `.tiff` names no known format; use `.exr` (linear) or \
+                  `.png` (sRGB)",
+    },
+    Arguments {
+        what: "An image onto itself",
+        arguments: "convert a.exr ./a.exr",
+        status: 2,
+        message: "twinlight: ./a.exr: this is the image to convert; choose another name",
+    },
+    Arguments {
+        what: "An exposure and no PNG",
+        arguments: "convert a.exr old.exr --exposure 1",
+        status: 2,
+        message: "twinlight: --exposure 1 brightens PNG files: an EXR stays linear; leave it out or write a PNG",
     },
 ];

@@ -4,11 +4,13 @@ use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::process::Stdio;
 
-use super::arguments::ARGUMENTS;
+use super::arguments::{ARGUMENTS, COMMANDS};
+use super::assets::MESH_FILES;
+use super::assets_images::IMAGES;
 use super::mistakes::SCENES;
 use super::{Folder, ROOM};
 use twinlight::film::Image;
-use twinlight::output::write_png;
+use twinlight::output::{Metadata, write_image, write_png};
 
 const GOOD: &str = r#"{"camera": {"resolution": 8}, "image_samples": 1,
     "lights": [{"type": "point", "position": [0, 0, -1], "intensity": 1}]}"#;
@@ -20,6 +22,8 @@ fn folder(name: &str) -> Folder {
         folder.write(old, "what was there before");
     }
     folder.write("binary", [0, 1, 2, 0xff]);
+    folder.write("utf16.json", b"\xff\xfe{\0}\0");
+    folder.write("latin1.json", b"{\"\xe9\": 1}");
     std::fs::create_dir(folder.path("folder.exr")).unwrap();
     write_png(&folder.path("image.png"), &Image::new(2, 2), 0.0).unwrap();
     folder
@@ -28,8 +32,15 @@ fn folder(name: &str) -> Folder {
 #[test]
 fn a_mistake_in_a_scene_is_told_and_touches_no_file() {
     let folder = folder("mistakes");
-    for mistake in SCENES.iter().flat_map(|(_, mistakes)| mistakes.iter()) {
-        let (text, said) = mistake.unmarked();
+    let scenes = SCENES.iter().flat_map(|(_, mistakes)| mistakes.iter());
+    let scenes = scenes.map(|mistake| (mistake.what, None, mistake.unmarked()));
+    let assets = MESH_FILES.iter().chain(IMAGES);
+    let assets = assets.map(|asset| (asset.what, Some((asset.name, asset.bytes())), asset.scene()));
+    let mut wrong = Vec::new();
+    for (what, asset, (text, said)) in scenes.chain(assets) {
+        if let Some((name, bytes)) = asset {
+            folder.write(name, bytes);
+        }
         folder.write("scene.json", text);
         let before = folder.snapshot();
         for outputs in [
@@ -38,21 +49,34 @@ fn a_mistake_in_a_scene_is_told_and_touches_no_file() {
             &["render", "scene.json", "--stats", "new.json", "--pyramid", "new", "--accel", "bvh"],
         ] {
             let outcome = folder.run(outputs);
-            assert_eq!(outcome.status, Some(65), "{}: {outcome:?}", mistake.what);
-            assert_eq!(outcome.stderr, said, "{}", mistake.what);
+            assert_eq!(outcome.status, Some(65), "{what}: {outcome:?}");
+            if outcome.stderr != said {
+                wrong.push(format!("{what}: said\n{}instead of\n{said}", outcome.stderr));
+                break;
+            }
             assert_eq!(outcome.stdout, "");
-            assert!(folder.snapshot() == before, "{}: {:?}", mistake.what, folder.names());
+            assert!(folder.snapshot() == before, "{what}: {:?}", folder.names());
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
 fn a_mistake_in_the_arguments_is_told_and_touches_no_file() {
     let folder = folder("arguments");
     folder.write("scene.json", GOOD);
+    folder.write("large.obj", "#".repeat(2 << 20));
+    folder.write(
+        "large.json",
+        r#"{"camera": {}, "surfaces": [{"type": "mesh", "filename": "large.obj", "material": {"type": "mirror"}}]}"#,
+    );
+    for (name, width) in [("a.exr", 2), ("a.png", 2), ("b.exr", 3)] {
+        write_image(&folder.path(name), &Image::new(width, 2), &Metadata::default(), 0.0).unwrap();
+    }
     let before = folder.snapshot();
-    for mistake in &ARGUMENTS {
-        let args: Vec<&str> = std::iter::once("render").chain(mistake.arguments.split(' ')).collect();
+    let render = ARGUMENTS.iter().map(|mistake| (Some("render"), mistake));
+    for (command, mistake) in render.chain(COMMANDS.iter().map(|mistake| (None, mistake))) {
+        let args: Vec<&str> = command.into_iter().chain(mistake.arguments.split(' ')).collect();
         let outcome = folder.run(&args);
         assert_eq!(outcome.status, Some(mistake.status), "{outcome:?}");
         // What follows a blank line is the usage and where help is.

@@ -44,6 +44,7 @@ fn json_tells_what_is_in_a_scene() {
             "quadrics": 2,
             "delta_points": 3,
             "accelerators": json["accelerators"],
+            "memory": json["memory"],
             "lights": json["lights"],
             "center": [10.0, 0.0, 0.0],
             "scale": 0.125,
@@ -118,8 +119,9 @@ fn text_tells_the_same() {
         ]
     );
     assert!(lines[4].starts_with("  accelerators ") && lines[4].ends_with("; the first is the default"), "{text}");
+    assert!(lines[5].starts_with("  memory       about "), "{text}");
     assert_eq!(
-        lines[5..],
+        lines[6..],
         [
             "  lights       4",
             "    area (parallelogram, 8 square units), power 25.13 50.27 75.4 W",

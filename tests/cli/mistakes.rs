@@ -1,8 +1,10 @@
-//! What users get wrong in a scene, and what they are told: the tables behind `docs/ERRORS.md`, with those of
-//! `arguments.rs`.
+//! What users get wrong in a scene as a whole, and what they are told: tables behind `docs/ERRORS.md`, with those of
+//! `mistakes_in_parts.rs`, `assets.rs`, `arguments.rs` and `notes.rs`.
 //!
 //! In a scene `«` marks the place that the message must name (it is taken out before reading), so that line and column
 //! are checked without counting. A place is the file, line, column and JSON pointer.
+
+use super::mistakes_in_parts::{LIGHTS, MATERIALS, MESHES, SURFACES};
 
 /// A scene file with mistakes in it.
 pub struct Scene {
@@ -15,11 +17,15 @@ pub struct Scene {
 }
 
 /// The sections of the page: a title and its mistakes. All of them end with status 65.
-pub const SCENES: [(&str, &[Scene]); 5] = [
+pub const SCENES: [(&str, &[Scene]); 9] = [
     ("JSON", JSON),
     ("Names", NAMES),
+    ("Words of other renderers", FOREIGN),
     ("Camera and sampling", CAMERA),
-    ("Lights and materials", LIGHTS),
+    ("Transforms", TRANSFORMS),
+    ("Lights", LIGHTS),
+    ("Materials and textures", MATERIALS),
+    ("Surfaces", SURFACES),
     ("Meshes", MESHES),
 ];
 
@@ -36,8 +42,33 @@ const JSON: &[Scene] = &[
     },
     Scene {
         what: "A comma too many",
-        text: r#"{"camera": {"vfov": 40, «}}"#,
-        messages: &["invalid JSON: key must be a string, found `}`"],
+        text: "{\"camera\": {\"vfov\": 40«,\n}}",
+        messages: &["invalid JSON: trailing comma before `}`; delete it"],
+    },
+    Scene {
+        what: "A comma too many in an array",
+        text: r#"{"camera": {"resolution": [64, 48«, ]}}"#,
+        messages: &["invalid JSON: trailing comma before `]`; delete it"],
+    },
+    Scene {
+        what: "A comma too few",
+        text: "{\"camera\": {}\n «\"surfaces\": []}",
+        messages: &["invalid JSON: expected `,` or `}`, found `\"surfaces\":`"],
+    },
+    Scene {
+        what: "What is no number in JSON",
+        text: r#"{"camera": {"vfov": «NaN}}"#,
+        messages: &["invalid JSON: expected value, found `NaN`"],
+    },
+    Scene {
+        what: "A byte order mark",
+        text: "«\u{feff}{\"camera\": {}}",
+        messages: &["the file starts with a byte order mark, which JSON does not allow: save it as UTF-8 without"],
+    },
+    Scene {
+        what: "A comment",
+        text: "{\"camera\": {} «// the default\n}",
+        messages: &["invalid JSON: expected `,` or `}`, found `//`"],
     },
     Scene {
         what: "Something after the end",
@@ -49,7 +80,20 @@ const JSON: &[Scene] = &[
         text: "[128×[]«[[128×]]]",
         messages: &["nested more than 128 deep; allowed: at most 128 levels"],
     },
+    Scene {
+        what: "No object", text: "«[]", messages: &["expected an object with a \"camera\", found an empty array"]
+    },
     Scene { what: "No camera", text: "«{}", messages: &["\"camera\" is missing"] },
+    Scene {
+        what: "A key that is no text",
+        text: r#"{"camera": {«"\ud800": 1}}"#,
+        messages: &["/camera: the key \"\\ud800\" is not a valid string"],
+    },
+    Scene {
+        what: "A word that is no text",
+        text: r#"{"camera": {}, "integrator": «"\ud800"}"#,
+        messages: &["/integrator: \"\\ud800\" holds an invalid escape"],
+    },
     Scene {
         what: "An unknown key",
         text: r#"{"camera": {«"vfovv": 40}}"#,
@@ -81,6 +125,20 @@ const JSON: &[Scene] = &[
         text: r#"{"camera": {"transform": {"translate": «[1, 2]}}}"#,
         messages: &[
             "/camera/transform/translate: expected an array of 3 numbers, or one number for all, found an array of 2",
+        ],
+    },
+    Scene {
+        what: "No arrays where there must be some",
+        text: "{\"camera\": {\"transform\": «3}, \"integrator\": «3, \"textures\": «{}, \"materials\": «{}, \"surfaces\": «{}, \
+               \"lights\": «3, \"media\": «3}",
+        messages: &[
+            "/camera/transform: expected an object or an array of objects, found the number 3",
+            "/integrator: expected an object or a string, found the number 3",
+            "/textures: expected an array of textures, found an object",
+            "/materials: expected an array of materials, found an object",
+            "/surfaces: expected an array of surfaces, found an object",
+            "/lights: expected an array of lights, found the number 3",
+            "/media: expected an array, found the number 3",
         ],
     },
     Scene {
@@ -121,6 +179,37 @@ const NAMES: &[Scene] = &[
         ],
     },
     Scene {
+        what: "A texture within itself, and one that is written below (so that none can be cyclic)",
+        text: "{\"camera\": {}, \"textures\": [\n  {\"name\": \"a\", \"type\": \"checker\", \"even\": «\"a\", \"odd\": «\"b\"},\n  \
+               {\"name\": \"b\", \"type\": \"checker\", \"even\": \"a\", \"odd\": 0}]}",
+        messages: &[
+            "/textures/0/even: no texture is named \"a\"; there are no named textures here",
+            "/textures/0/odd: no texture is named \"b\"; there are no named textures here",
+        ],
+    },
+    Scene {
+        what: "A material within itself",
+        text: "{\"camera\": {}, \"materials\": [{\"name\": \"white\", \"type\": \"mirror\"},\n  {\"name\": \"m\", \"type\": \
+               \"blend\", \"a\": \"white\", \"b\": «\"m\", \"amount\": 0.5}]}",
+        messages: &["/materials/1/b: no material is named \"m\"; known: white"],
+    },
+    Scene {
+        what: "A duplicate texture",
+        text: "{\"camera\": {}, \"textures\": [{\"name\": \"t\", \"type\": \"constant\", \"color\": 1},\n  {\"name\": «\"t\", \
+               \"type\": \"constant\", \"color\": 0}]}",
+        messages: &["/textures/1/name: duplicate texture name \"t\"; names must differ"],
+    },
+    Scene {
+        what: "A material without a name",
+        text: r#"{"camera": {}, "materials": [«{"type": "mirror"}]}"#,
+        messages: &["/materials/0: \"name\" is missing"],
+    },
+    Scene {
+        what: "A number for a material",
+        text: r#"{"camera": {}, "surfaces": [{"type": "quad", "material": «7}]}"#,
+        messages: &["/surfaces/0/material: expected the name of a material or a material object, found the number 7"],
+    },
+    Scene {
         what: "An unknown type",
         text: r#"{"camera": {}, "materials": [{"name": "m", "type": «"lambertain", "albedo": 1}]}"#,
         messages: &[
@@ -144,6 +233,45 @@ const NAMES: &[Scene] = &[
             "/surfaces/1/sise: unknown key \"sise\"; did you mean \"size\"? allowed: type, transform, material, \
              flip_normals, size, radius, filename, positions, indices, normals, uvs, opacity, \
              normal_map, bump_map",
+        ],
+    },
+];
+
+/// Only those that a reader of this page would look for; the others are in the table of `import/synonyms.rs`.
+const FOREIGN: &[Scene] = &[
+    Scene {
+        what: "Of a material",
+        text: "{\"camera\": {}, \"materials\": [{\"name\": \"m\", \"type\": «\"matte\", «\"reflectance\": 0.5, «\"emission\": 1}]}",
+        messages: &[
+            "/materials/0/type: unknown material type \"matte\"; did you mean \"lambertian\"? allowed: lambertian, mirror, \
+             metal, dielectric, diffuse light, point light, spot light, null, conductor, plastic, thin dielectric, phong, \
+             blinnphong, beckmann, oren-nayar, blend",
+            "/materials/0/reflectance: unknown key \"reflectance\"; did you mean \"albedo\"? allowed: type, name, albedo, \
+             two_sided, emit, emit_two_sided",
+            "/materials/0/emission: unknown key \"emission\"; did you mean \"emit\"? allowed: type, name, albedo, two_sided, \
+             emit, emit_two_sided",
+        ],
+    },
+    Scene {
+        what: "Of a camera",
+        text: r#"{"camera": {«"fov": 40, «"look_at": [0, 0, 0]}}"#,
+        messages: &[
+            "/camera/fov: unknown key \"fov\"; did you mean \"vfov\"? allowed: type, transform, resolution, vfov, fdist, \
+             aperture, filter",
+            "/camera/look_at: unknown key \"look_at\"; did you mean \"transform\"? allowed: type, transform, resolution, vfov, \
+             fdist, aperture, filter",
+        ],
+    },
+    Scene {
+        what: "Of a surface",
+        text: r#"{"camera": {}, "surfaces": [{"type": «"rectangle", «"to_world": {"scale": 2}, «"bsdf": {"type": "mirror"}}]}"#,
+        messages: &[
+            "/surfaces/0/type: unknown surface type \"rectangle\"; did you mean \"quad\"? allowed: quad, sphere, disk, triangle, \
+             mesh, delta point",
+            "/surfaces/0/to_world: unknown key \"to_world\"; did you mean \"transform\"? allowed: type, transform, material, \
+             flip_normals, size, opacity, normal_map, bump_map",
+            "/surfaces/0/bsdf: unknown key \"bsdf\"; did you mean \"material\"? allowed: type, transform, material, flip_normals, \
+             size, opacity, normal_map, bump_map",
         ],
     },
 ];
@@ -175,38 +303,21 @@ const CAMERA: &[Scene] = &[
         messages: &["/camera/vfov: 180 is out of range; allowed: between 0 and 180 degrees"],
     },
     Scene {
-        what: "The eye in the target",
-        text: r#"{"camera": {"transform": «{"from": [1, 2, 3], "at": [1, 2, 3]}}}"#,
-        messages: &["/camera/transform: \"from\" and \"at\" are the same point [1, 2, 3]; they must differ"],
+        what: "An unknown camera",
+        text: r#"{"camera": {"type": «"fisheye"}}"#,
+        messages: &["/camera/type: unknown camera type \"fisheye\"; allowed: perspective, orthographic"],
     },
     Scene {
-        what: "Up along the view",
-        text: r#"{"camera": {"transform": {"from": [0, 5, 0], "at": 0, "up": «[0, 2, 0]}}}"#,
-        messages: &["/camera/transform/up: \"up\" [0, 2, 0] is parallel to the view [0, -5, 0]; it must not be"],
+        what: "A parallel camera without its height",
+        text: r#"{"camera": «{"type": "orthographic"}}"#,
+        messages: &["/camera: \"height\" is missing"],
     },
     Scene {
-        what: "The same by the default up, y",
-        text: r#"{"camera": {"transform": «{"from": [0, 5, 0], "at": 0}}}"#,
-        messages: &["/camera/transform: \"up\" [0, 1, 0] is parallel to the view [0, -5, 0]; it must not be"],
-    },
-    Scene {
-        what: "A singular transform",
-        text: r#"{"camera": {"transform": [{"translate": 1}, «{"scale": [1, 0, 1]}]}}"#,
+        what: "A negative lens, focused on itself",
+        text: r#"{"camera": {"aperture": «-0.1, "fdist": «0}}"#,
         messages: &[
-            "/camera/transform/1: the transform is singular: it flattens space; allowed: matrices with an inverse",
-        ],
-    },
-    Scene {
-        what: "A transform that is not finite",
-        text: r#"{"camera": {"transform": «[{"scale": 1e200}, {"scale": 1e200}]}}"#,
-        messages: &["/camera/transform: the transform overflows; allowed: finite matrices"],
-    },
-    Scene {
-        what: "A camera that shears",
-        text: r#"{"camera": «{"transform": {"x": [1, 0, 0], "y": [1, 1, 0]}}}"#,
-        messages: &[
-            "/camera: the camera's transform shears: its axes must stay at right angles; use from/at/up, a rotation, a \
-             translation or a scale",
+            "/camera/aperture: -0.1 is out of range; allowed: 0 or above",
+            "/camera/fdist: 0 is out of range; allowed: above 0",
         ],
     },
     Scene {
@@ -232,108 +343,138 @@ const CAMERA: &[Scene] = &[
         text: r#"{"camera": {}, "sampler": {"samples": «1.5}}"#,
         messages: &["/sampler/samples: 1.5 is out of range; allowed: whole numbers from 1 to 4294967295"],
     },
-];
-
-const LIGHTS: &[Scene] = &[
     Scene {
-        what: "Negative emission",
-        text: r#"{"camera": {}, "lights": [{"type": "point", "position": 0, "intensity": [1, «-2, 1]}]}"#,
-        messages: &["/lights/0/intensity/1: -2 is out of range; allowed: 0 to 3.4e38"],
-    },
-    Scene {
-        what: "A spot that aims nowhere",
-        text: "{\"camera\": {}, \"lights\": [{\"type\": \"spot\", \"position\": [1, 2, 3], \"at\": «[1, 2, 3],\n  \
-               \"intensity\": 1, \"inner_angle\": 10, \"outer_angle\": 20}]}",
-        messages: &["/lights/0/at: the spot's axis has length 0: [1, 2, 3] gives it no direction"],
-    },
-    Scene {
-        what: "A spot's inner cone outside its outer one",
-        text: "{\"camera\": {}, \"lights\": [{\"type\": \"spot\", \"position\": 0, \"direction\": 1,\n  \
-               \"intensity\": 1, \"inner_angle\": «30, \"outer_angle\": 20}]}",
-        messages: &["/lights/0/inner_angle: inner_angle 30 exceeds outer_angle 20; allowed: at most as large"],
-    },
-    Scene {
-        what: "A spot's profile that there is not, and one that takes no exponent",
-        text: "{\"camera\": {}, \"lights\": [\n  {\"type\": \"spot\", \"position\": 0, \"direction\": 1, \
-               \"intensity\": 1,\n   \"inner_angle\": 10, \"outer_angle\": 20, \"profile\": «\"linear\"},\n  \
-               {\"type\": \"spot\", \"position\": 0, \"direction\": 1, \"intensity\": 1,\n   \"inner_angle\": 10, \
-               \"outer_angle\": 20, \"profile\": \"angle\", \"falloff\": «2}]}",
+        what: "An unknown filter, sampler, integrator and heuristic",
+        text: "{\"camera\": {\"filter\": {\"type\": «\"mitchell\"}},\n  \"sampler\": {\"type\": «\"poisson\"},\n  \"integrator\": \
+               {\"type\": «\"bpdt\", \"heuristic\": «\"max\", \"max_bounces\": «-1, \"russian_roulette\": «1}}",
         messages: &[
-            "/lights/0/profile: unknown spot profile \"linear\"; allowed: cosine, angle",
-            "/lights/1/falloff: the spot profile \"angle\" falls linearly and takes no \"falloff\"; leave it out, or \
-             choose the profile \"cosine\"",
+            "/camera/filter/type: unknown filter \"mitchell\"; allowed: box, tent, gaussian",
+            "/sampler/type: unknown sampler \"poisson\"; allowed: sobol, independent, stratified, halton",
+            "/integrator/type: unknown integrator \"bpdt\"; did you mean \"bdpt\"? allowed: auto, bdpt, path, light, \
+             path_tracer_mis, path_tracer_nee, path_tracer_mats, path_tracer_mixture, path_tracer_simple",
+            "/integrator/heuristic: unknown heuristic \"max\"; allowed: power, balance, uniform",
+            "/integrator/max_bounces: -1 is out of range; allowed: whole numbers from 0 to 1000000",
+            "/integrator/russian_roulette: expected true or false, found the number 1",
         ],
     },
     Scene {
-        what: "An albedo above 1",
-        text: r#"{"camera": {}, "materials": [{"name": "m", "type": "lambertian", "albedo": «1.01}]}"#,
-        messages: &["/materials/0/albedo: 1.01 is out of range; allowed: 0 to 1"],
-    },
-    Scene {
-        what: "An index of refraction of zero",
-        text: r#"{"camera": {}, "materials": [{"name": "m", "type": "dielectric", "ior": «0}]}"#,
-        messages: &["/materials/0/ior: 0 is out of range; allowed: 0.001 to 1000"],
-    },
-    Scene {
-        what: "A light's material without a delta point",
-        text: r#"{"camera": {}, "surfaces": [{"type": "quad", "material": «{"type": "point light", "emit": 1}}]}"#,
+        what: "An integrator that is an auxiliary image here",
+        text: r#"{"camera": {}, "integrator": «"normals"}"#,
         messages: &[
-            "/surfaces/0/material: a \"point light\" material has no place on a \"quad\"; allowed: on a \"delta point\"",
-        ],
-    },
-    Scene {
-        what: "A surface carried too far away",
-        text: "{\"camera\": {}, \"surfaces\": [\n  «{\"type\": \"quad\", \"transform\": {\"translate\": [1e31, 0, 0]}, \
-               \"material\": {\"type\": \"mirror\"}}]}",
-        messages: &[
-            "/surfaces/0: the transform carries a point to [10000000000000000000000000000000, -0.5, 0]: coordinates must \
-             stay below 1e30",
+            "/integrator: \"normals\" is no integrator here: auxiliary images (AOVs), such as the shading normal, come beside \
+             the picture (--aovs); allowed: auto, bdpt, path, light, path_tracer_mis, path_tracer_nee, path_tracer_mats, \
+             path_tracer_mixture, path_tracer_simple",
         ],
     },
 ];
 
-const MESHES: &[Scene] = &[
+const TRANSFORMS: &[Scene] = &[
     Scene {
-        what: "A file that is not there",
-        text: r#"{"camera": {}, "surfaces": [{"type": "mesh", "filename": «"none.obj", "material": {"type": "mirror"}}]}"#,
-        messages: &["/surfaces/0/filename: cannot read none.obj: No such file or directory (os error 2)"],
+        what: "The eye in the target",
+        text: r#"{"camera": {"transform": «{"from": [1, 2, 3], "at": [1, 2, 3]}}}"#,
+        messages: &["/camera/transform: \"from\" and \"at\" are the same point [1, 2, 3]; they must differ"],
     },
     Scene {
-        what: "A file of another format",
-        text: r#"{"camera": {}, "surfaces": [{"type": "mesh", "filename": «"a.stl", "material": {"type": "mirror"}}]}"#,
-        messages: &["/surfaces/0/filename: \"a.stl\" is no mesh format; allowed: .obj, .ply, .obj.gz, .ply.gz"],
+        what: "Up along the view",
+        text: r#"{"camera": {"transform": {"from": [0, 5, 0], "at": 0, "up": «[0, 2, 0]}}}"#,
+        messages: &["/camera/transform/up: \"up\" [0, 2, 0] is parallel to the view [0, -5, 0]; it must not be"],
     },
     Scene {
-        what: "An index out of range",
-        text: "{\"camera\": {}, \"surfaces\": [{\"type\": \"mesh\", \"material\": {\"type\": \"mirror\"},\n  \
-               \"positions\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], \"indices\": [[0, 1, «3]]}]}",
-        messages: &["/surfaces/0/indices/0/2: 3 is out of range; allowed: whole numbers from 0 to 2"],
+        what: "The same by the default up, y",
+        text: r#"{"camera": {"transform": «{"from": [0, 5, 0], "at": 0}}}"#,
+        messages: &["/camera/transform: \"up\" [0, 1, 0] is parallel to the view [0, -5, 0]; it must not be"],
     },
     Scene {
-        what: "A position that is not finite",
-        text: r#"{"camera": {}, "surfaces": [{"type": "triangle", "positions": [0, 1, [0, «1e39, 0]], "material": {"type": "mirror"}}]}"#,
-        messages: &["/surfaces/0/positions/2/1: 1e39 is out of range; allowed: -3.4e38 to 3.4e38 (32-bit floats)"],
+        what: "Up that points nowhere",
+        text: r#"{"camera": {"transform": {"from": [0, 5, 0], "at": 0, "up": «[0, 0, 0]}}}"#,
+        messages: &["/camera/transform/up: \"up\" [0, 0, 0] has length 0: it points nowhere; it must not be zero"],
+    },
+    Scene {
+        what: "Two words for one thing",
+        text: r#"{"camera": {"transform": «{"from": [0, 0, 5], "at": 0, "to": 0}}}"#,
+        messages: &["/camera/transform: \"at\" and \"to\" mean the same; give one of them"],
+    },
+    Scene {
+        what: "A frame's axis of length 0",
+        text: r#"{"camera": {"transform": {"x": [1, 0, 0], "y": «[0, 0, 0]}}}"#,
+        messages: &["/camera/transform/y: the axis \"y\" has length 0: it points nowhere; it must not be zero"],
+    },
+    Scene {
+        what: "A rotation about nothing",
+        text: r#"{"camera": {"transform": [{"axis": «[0, 0, 0], "angle": 90}, {"rotate": «[90, 0, 0, 0]}]}}"#,
+        messages: &[
+            "/camera/transform/0/axis: the rotation's axis [0, 0, 0] has length 0: it points nowhere; it must not be zero",
+            "/camera/transform/1/rotate: the rotation's axis [0, 0, 0] has length 0: it points nowhere; it must not be zero",
+        ],
+    },
+    Scene {
+        what: "A perspective matrix, and one of nine numbers",
+        text: "{\"camera\": {\"transform\": [{\"matrix\": «[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]},\n  {\"matrix\": \
+               «[1,0,0, 0,1,0, 0,0,1]}]}}",
+        messages: &[
+            "/camera/transform/0/matrix: the last row is [0.0, 0.0, 1.0, 1.0]; allowed: 0, 0, 0, 1 (no perspective)",
+            "/camera/transform/1/matrix: expected an array of 16 numbers, row by row, found an array of 9",
+        ],
+    },
+    Scene {
+        what: "No transform",
+        text: r#"{"camera": {"transform": «{}}}"#,
+        messages: &[
+            "/camera/transform: no transform; allowed: {from, at, up}, {o, x, y, z}, {translate}, {scale}, {axis, angle}, \
+             {rotate}, {matrix}",
+        ],
+    },
+    Scene {
+        what: "Two transforms in one object",
+        text: r#"{"camera": {"transform": {"translate": 1, «"scale": 2}}}"#,
+        messages: &["/camera/transform/scale: unknown key \"scale\"; allowed: translate"],
+    },
+    Scene {
+        what: "A singular transform",
+        text: r#"{"camera": {"transform": [{"translate": 1}, «{"scale": [1, 0, 1]}]}}"#,
+        messages: &[
+            "/camera/transform/1: the transform is singular: it flattens space; allowed: matrices with an inverse",
+        ],
+    },
+    Scene {
+        what: "A transform that is not finite",
+        text: r#"{"camera": {"transform": «[{"scale": 1e200}, {"scale": 1e200}]}}"#,
+        messages: &["/camera/transform: the transform overflows; allowed: finite matrices"],
+    },
+    Scene {
+        what: "A camera that shears",
+        text: r#"{"camera": «{"transform": {"x": [1, 0, 0], "y": [1, 1, 0]}}}"#,
+        messages: &[
+            "/camera: the camera's transform shears: its axes must stay at right angles; use from/at/up, a rotation, a \
+             translation or a scale",
+        ],
     },
 ];
 
 impl Scene {
     /// The text as the program reads it, and what it must say, whole.
     pub fn unmarked(&self) -> (String, String) {
-        let (mut text, mut places, mut here) = (String::new(), Vec::new(), (1, 1));
-        let written_out = self.text.replace("[128×[]", &"[".repeat(128)).replace("[128×]]", &"]".repeat(128));
-        for c in written_out.chars() {
-            match c {
-                '«' => places.push(here),
-                '\n' => here = (here.0 + 1, 1),
-                _ => here.1 += 1,
-            }
-            if c != '«' {
-                text.push(c);
-            }
-        }
+        let (text, places) = marked(self.text);
         assert_eq!(places.len(), self.messages.len(), "{}: marks and messages differ in number", self.what);
         let said = places.iter().zip(self.messages);
         let said = said.map(|((line, column), m)| format!("twinlight: scene.json:{line}:{column}: {m}\n")).collect();
         (text, said)
     }
+}
+
+/// A text without its marks, and their lines and columns.
+pub fn marked(text: &str) -> (String, Vec<(usize, usize)>) {
+    let (mut out, mut places, mut here) = (String::new(), Vec::new(), (1, 1));
+    let written_out = text.replace("[128×[]", &"[".repeat(128)).replace("[128×]]", &"]".repeat(128));
+    for c in written_out.chars() {
+        match c {
+            '«' => places.push(here),
+            '\n' => here = (here.0 + 1, 1),
+            _ => here.1 += 1,
+        }
+        if c != '«' {
+            out.push(c);
+        }
+    }
+    (out, places)
 }

@@ -14,7 +14,7 @@ fn directional_and_constant_lights() {
         &[
             (
                 r#"{"type": "directional", "direction": «0, "irradiance": 1}"#,
-                "/lights/0/direction: the direction has length 0: 0 points nowhere",
+                "/lights/0/direction: the direction 0 has length 0: it points nowhere; it must not be zero",
             ),
             (
                 r#"{"type": "directional", "direction": 1, "irradiance": [1, 2, «-3]}"#,
@@ -29,7 +29,7 @@ fn directional_and_constant_lights() {
             ),
             (
                 r#"{"type": "constant", "radiance": 1, «"color": 1}"#,
-                "/lights/0/color: unknown key \"color\"; allowed: type, radiance",
+                "/lights/0/color: unknown key \"color\"; did you mean \"radiance\"? allowed: type, radiance",
             ),
         ],
     );

@@ -9,6 +9,24 @@ use twinlight::scene::desc::{
 
 use super::{mesh_of, read, shared};
 
+/// Their squares are 0 or infinite, they are not.
+#[test]
+fn tiny_and_huge_directions_are_directions() {
+    for length in ["1e-200", "1e200", "5e-324"] {
+        let axis = format!("[0, {length}, 0]");
+        let scene = format!(
+            r#"{{"camera": {{"transform": {{"up": {axis}}}}}, "lights": [
+                {{"type": "directional", "direction": {axis}, "irradiance": 1}},
+                {{"type": "spot", "position": 0, "direction": {axis}, "intensity": 1, "inner_angle": 1, "outer_angle": 2}}],
+                "surfaces": [{{"type": "quad", "material": {{"type": "mirror"}}, "transform": {{"axis": {axis}, "angle": 90}}}}]}}"#
+        );
+        let scene = read(&scene).unwrap_or_else(|e| panic!("{length}: {e}"));
+        assert_eq!(scene.camera.transform.matrix3.y_axis, DVec3::Y);
+        let turned = scene.surfaces[0].transform.matrix3 * DVec3::Z;
+        assert_eq!(turned, DVec3::X, "{length}");
+    }
+}
+
 #[test]
 fn a_whole_scene() {
     let text = r#"{

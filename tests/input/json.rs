@@ -22,8 +22,13 @@ fn json_syntax() {
         ("{\"a\": «nan}", "invalid JSON: expected value, found `nan`"),
         ("{\"a\": «NaN}", "invalid JSON: expected value, found `NaN`"),
         ("{\"é\": 1,\n «'b': 2}", "invalid JSON: key must be a string, found `'b':`"),
-        ("{\"a\": 1, «}", "invalid JSON: key must be a string, found `}`"),
-        ("[1, «]", "invalid JSON: expected value, found `]`"),
+        ("{\"a\": 1«, }", "invalid JSON: trailing comma before `}`; delete it"),
+        ("[1«, ]", "invalid JSON: trailing comma before `]`; delete it"),
+        // Where the comma is, not where it is noticed; one in a text is none.
+        ("{\"a\": [1, 2]«,\n\n  }", "invalid JSON: trailing comma before `}`; delete it"),
+        ("{\"a\": \",\" «]}", "invalid JSON: expected `,` or `}`, found `]`"),
+        ("[«,]", "invalid JSON: expected value, found `,`"),
+        ("{\"a\": «}", "invalid JSON: expected value, found `}`"),
         ("{\"a\": 1}\n«garbage", "invalid JSON: trailing characters, found `garbage`"),
         ("«\u{feff}{}", "the file starts with a byte order mark, which JSON does not allow: save it as UTF-8 without"),
     ] {
@@ -210,10 +215,10 @@ fn a_slip_in_a_key_is_told_once() {
         ),
         // Nothing near is missing: then two mistakes are two; and a key that is there is not what was meant.
         (
-            r#"{"camera": {}, "materials": [«{"name": "m", "type": "lambertian", «"colour": 0.5}]}"#,
+            r#"{"camera": {}, "materials": [«{"name": "m", "type": "lambertian", «"fluff": 0.5}]}"#,
             &[
                 "/materials/0: \"albedo\" is missing".to_owned(),
-                format!("/materials/0/colour: unknown key \"colour\"; {MATERIAL}"),
+                format!("/materials/0/fluff: unknown key \"fluff\"; {MATERIAL}"),
             ],
         ),
         (

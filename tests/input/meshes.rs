@@ -347,7 +347,8 @@ fn mesh_files_named_by_a_scene() {
         ),
         (
             "none.obj",
-            "scene.json:2:13: /surfaces/0/filename: cannot read none.obj: No such file or directory (os error 2)",
+            "scene.json:2:13: /surfaces/0/filename: cannot read none.obj: No such file or directory (os error 2); check the name and \
+             the permissions",
         ),
     ] {
         assert_eq!(scene(name).unwrap_err(), message);

@@ -89,7 +89,11 @@ fn transforms() {
             ),
             (
                 r#"{"from": [0, 5, 0], "at": 0, "up": «0}"#,
-                "/camera/transform/up: \"up\" [0, 0, 0] is parallel to the view [0, -5, 0]; it must not be",
+                "/camera/transform/up: \"up\" [0, 0, 0] has length 0: it points nowhere; it must not be zero",
+            ),
+            (
+                r#"{"x": 1, "y": [0, 2, 0], "z": «0}"#,
+                "/camera/transform/z: the axis \"z\" has length 0: it points nowhere; it must not be zero",
             ),
             // The default up vector is y.
             (
@@ -123,12 +127,12 @@ fn transforms() {
             ),
             (
                 r#"{"axis": «0, "angle": 90}"#,
-                "/camera/transform/axis: the rotation's axis [0, 0, 0] has no direction; it must not be zero",
+                "/camera/transform/axis: the rotation's axis [0, 0, 0] has length 0: it points nowhere; it must not be zero",
             ),
             (r#"«{"axis": [0, 0, 1]}"#, "/camera/transform: \"angle\" is missing"),
             (
                 r#"{"rotate": «[90, 0, 0, 0]}"#,
-                "/camera/transform/rotate: the rotation's axis [0, 0, 0] has no direction; it must not be zero",
+                "/camera/transform/rotate: the rotation's axis [0, 0, 0] has length 0: it points nowhere; it must not be zero",
             ),
             (
                 r#"{"translate": [0, «1e999, 0]}"#,
@@ -185,8 +189,8 @@ fn integrator_and_sampler() {
                 "/sampler/samples: 0 is out of range; allowed: whole numbers from 1 to 4294967295",
             ),
             (
-                r#""sampler": {"type": «"random"}"#,
-                "/sampler/type: unknown sampler \"random\"; allowed: sobol, independent, stratified, halton",
+                r#""sampler": {"type": «"poisson"}"#,
+                "/sampler/type: unknown sampler \"poisson\"; allowed: sobol, independent, stratified, halton",
             ),
             (
                 r#""sampler": {"seed": «-1}"#,

@@ -107,11 +107,11 @@ fn materials() {
             ),
             (
                 r#""type": "metal", «"color": 1"#,
-                "/materials/0/color: unknown key \"color\"; allowed: type, name, albedo, roughness, emit, emit_two_sided",
+                "/materials/0/color: unknown key \"color\"; did you mean \"albedo\"? allowed: type, name, albedo, roughness, emit, emit_two_sided",
             ),
             (
                 r#""type": "diffuse light", "emit": 1, «"color": 1"#,
-                "/materials/0/color: unknown key \"color\"; allowed: type, name, emit, two_sided",
+                "/materials/0/color: unknown key \"color\"; did you mean \"emit\"? allowed: type, name, emit, two_sided",
             ),
             // A slip in one is told all the same.
             (
@@ -232,7 +232,7 @@ fn a_mistake_in_the_type_hides_no_other() {
         r#"{"camera": {}, "materials": [
             «{"type": «"velvet", "albedo": «2, «"fluff": 1}, ««{"albedo": 0, "emit": «-1}, {"type": «3, "name": «4}],
            "surfaces": [«{"type": «"teapot", "flip_normals": «0}, «{"material": «"none", "transform": «1}],
-           "lights": [{"type": «"sun", "position": «"up"}]}"#,
+           "lights": [{"type": «"lava", "position": «"up"}]}"#,
         &[
             "/materials/0: \"name\" is missing",
             &format!("/materials/0/type: unknown material type \"velvet\"; allowed: {MATERIALS}"),
@@ -249,7 +249,7 @@ fn a_mistake_in_the_type_hides_no_other() {
             "/surfaces/1: \"type\" is missing",
             "/surfaces/1/material: no material is named \"none\"; there are no named materials",
             "/surfaces/1/transform: expected an object or an array of objects, found the number 1",
-            "/lights/0/type: unknown light type \"sun\"; allowed: point, spot, directional, constant, environment",
+            "/lights/0/type: unknown light type \"lava\"; allowed: point, spot, directional, constant, environment",
             "/lights/0/position: expected an array of 3 numbers, or one number for all, found the string \"up\"",
         ],
     );
@@ -349,11 +349,11 @@ fn lights() {
         &[
             (
                 r#""type": "spot", "at": «[1, 2, 3]"#,
-                "/lights/0/at: the spot's axis has length 0: [1, 2, 3] gives it no direction",
+                "/lights/0/at: \"at\" [1, 2, 3] is the spot's own position: it points nowhere; they must differ",
             ),
             (
                 r#""type": "spot", "direction": «0"#,
-                "/lights/0/direction: the spot's axis has length 0: 0 gives it no direction",
+                "/lights/0/direction: the direction 0 has length 0: it points nowhere; it must not be zero",
             ),
             (
                 r#""type": "spot", "direction": 1, "at": «0"#,

@@ -87,24 +87,31 @@ fn texture_objects() {
 
 #[test]
 fn values_are_held_to_the_range_of_the_parameter() {
+    const USED: &str = "(used by s.json:1:76: /materials/0/albedo)";
+    for (texture, key, value) in [
+        (r#"{"type": "constant", "color": [0, 0.5, «1.5]}"#, "/color/2", "1.5"),
+        (r#"{"type": "checker", "even": «-0.5, "odd": 1}"#, "/even", "-0.5"),
+        (r#"{"type": "marble", "veins": 0, "base": {"type": "constant", "color": «2}}"#, "/base/color", "2"),
+    ] {
+        let message = format!("/materials/0/albedo{key}: {value} is out of range; allowed: 0 to 1 {USED}");
+        expect_errors(&albedo(texture), &[&message]);
+    }
     for (texture, message) in [
-        (
-            r#"«{"type": "constant", "color": [0, 0.5, 1.5]}"#,
-            "the texture holds 1.5, which is out of range; allowed: 0 to 1",
-        ),
-        (
-            r#"«{"type": "checker", "even": -0.5, "odd": 1}"#,
-            "the texture holds -0.5, which is out of range; allowed: 0 to 1",
-        ),
-        (
-            r#"«{"type": "marble", "veins": 0, "base": {"type": "constant", "color": 2}}"#,
-            "the texture holds 2, which is out of range; allowed: 0 to 1",
-        ),
         (r#"«"wood""#, "no texture is named \"wood\"; there are no named textures here"),
         (r#"«true"#, "expected an array of 3 numbers, or one number for all, found true"),
     ] {
         expect_errors(&albedo(texture), &[&format!("/materials/0/albedo: {message}")]);
     }
+    // A named one is told where it is written, once for each parameter that it does not suit.
+    expect_errors(
+        r#"{"camera": {}, "textures": [{"name": "t", "type": "checker", "even": ««3, "odd": 0}], "materials": [
+            {"name": "m", "type": "phong", "albedo": "t", "exponent": "t"},
+            {"name": "n", "type": "mirror", "albedo": "t"}]}"#,
+        &[
+            "/textures/0/even: 3 is out of range; allowed: 0 to 1 (used by s.json:2:54: /materials/0/albedo)",
+            "/textures/0/even: 3 is out of range; allowed: 0 to 1 (used by s.json:3:55: /materials/1/albedo)",
+        ],
+    );
     // The same numbers are good where they are in range.
     let bright = r#"{"camera": {}, "materials": [{"name": "m", "type": "diffuse light",
         "emit": {"type": "checker", "even": 5, "odd": 0}}]}"#;
@@ -135,6 +142,14 @@ fn texels() {
         &negative,
         "column 1, row 1 (from the top left), [0.5, -0.25, 0], is out of range",
     );
+    // Where the file is named, and what it does not suit.
+    let named = format!(
+        r#"{{"camera": {{}}, "textures": [{{"name": "t", "type": "image", "filename": "{negative}"}}],
+        "materials": [{{"name": "m", "type": "mirror", "albedo": "t"}}]}}"#
+    );
+    let places =
+        "allowed: 0 to 1 (named by s.json:1:72: /textures/0/filename, used by s.json:2:65: /materials/0/albedo)";
+    expect_in_image(&named, &negative, places);
     for (name, bad) in [("nan.exr", f32::NAN), ("inf.exr", f32::INFINITY)] {
         let name = file(name, 3, with([0.0, 0.0, bad]));
         expect_in_image(&albedo(&image(&name)), &name, "is not finite; allowed: finite numbers");
@@ -342,8 +357,9 @@ fn finishes() {
                 "/surfaces/0/bump_map: no texture is named \"b.png\"; there are no named textures here",
             ),
             (
-                r#""normal_map": «{"type": "constant", "color": [0, 0, 1.5]}"#,
-                "/surfaces/0/normal_map: the texture holds 1.5, which is out of range; allowed: 0 to 1",
+                r#""normal_map": {"type": "constant", "color": [0, 0, «1.5]}"#,
+                "/surfaces/0/normal_map/color/2: 1.5 is out of range; allowed: 0 to 1 (used by s.json:1:92: \
+                 /surfaces/0/normal_map)",
             ),
             (
                 r#""normal_map": {"type": "constant", "color": [0.5, 0.5, 1]}, "bump_map": «{"type": "marble", "base": -1, "veins": 2}"#,
@@ -419,24 +435,26 @@ fn parameters_of_all_models() {
         r#"{"camera": {}, "materials": [{"name": "m", @}]}"#,
         &[
             (
-                r#""type": "conductor", "albedo": 1, "roughness": [0.1, «{"type": "constant", "color": 1.5}]"#,
-                "/materials/0/roughness/1: the texture holds 1.5, which is out of range; allowed: 0 to 1",
+                r#""type": "conductor", "albedo": 1, "roughness": [0.1, {"type": "constant", "color": «1.5}]"#,
+                "/materials/0/roughness/1/color: 1.5 is out of range; allowed: 0 to 1 (used by s.json:1:97: \
+                 /materials/0/roughness/1)",
             ),
             (
                 r#""type": "conductor", "albedo": 1, "roughness": «true"#,
                 "/materials/0/roughness: expected an array of 2 numbers, or one number for all, found true",
             ),
             (
-                r#""type": "conductor", "k": 1, "eta": «{"type": "constant", "color": 0}"#,
-                "/materials/0/eta: the texture holds 0, which is out of range; allowed: 0.001 to 1000",
+                r#""type": "conductor", "k": 1, "eta": {"type": "constant", "color": «0}"#,
+                "/materials/0/eta/color: 0 is out of range; allowed: 0.001 to 1000 (used by s.json:1:80: /materials/0/eta)",
             ),
             (
                 r#""type": "plastic", "albedo": 1, "roughness": «"rough""#,
                 "/materials/0/roughness: no texture is named \"rough\"; there are no named textures here",
             ),
             (
-                r#""type": "oren-nayar", "albedo": 1, "sigma": «{"type": "checker", "even": 0, "odd": 20}"#,
-                "/materials/0/sigma: the texture holds 20, which is out of range; allowed: 0 to 1.5 radians",
+                r#""type": "oren-nayar", "albedo": 1, "sigma": {"type": "checker", "even": 0, "odd": «20}"#,
+                "/materials/0/sigma/odd: 20 is out of range; allowed: 0 to 1.5 radians (used by s.json:1:88: \
+                 /materials/0/sigma)",
             ),
         ],
     );

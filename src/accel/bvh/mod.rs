@@ -17,7 +17,7 @@ mod tests;
 
 use std::sync::Arc;
 
-use super::{Accel, AccelError, AccelOptions, DeltaHit};
+use super::{Accel, AccelError, AccelOptions, DeltaHit, Footprint};
 use crate::geometry::{Geometry, GeometryKind, Hit};
 use crate::math::{Ray, Vec3};
 use ray::PreparedRay;
@@ -133,6 +133,7 @@ fn of_pair((min, max): (Vec3, Vec3)) -> Option<Bounds> {
 
 impl Accel for BvhAccel {
     const NAME: &'static str = "bvh";
+    const FOOTPRINT: Footprint = Footprint { building: 390, built: 155 };
 
     fn build(geometry: Arc<Geometry>, options: AccelOptions) -> Result<Self, AccelError> {
         let opaque = Surfaces::build(&geometry, false)?;
