@@ -5,7 +5,7 @@ use crate::accel::Accel;
 use crate::bsdf::{Bsdf, Transport};
 use crate::camera::{Camera, CameraRay};
 use crate::light::{DirectSample, LightEdge, LightPoint, Receiver};
-use crate::math::{Ray, Rgb};
+use crate::math::{Ray, Rgb, scaled};
 use crate::planted::{Bug, planted};
 use crate::sampling::{Sampler, Stream};
 use crate::scene::desc::Heuristic;
@@ -170,7 +170,8 @@ pub(super) fn sample<A: Accel>(scene: &Scene<A>, settings: &Settings, sample: Pi
                         } else {
                             weight(settings, pdf_light, f64::from(value.pdf_fwd.0) * cos)
                         };
-                        recorder.add(1, t, beta * value.f * le * ((cos / pdf_light) as f32 * w * visible));
+                        let scale = cos / pdf_light * f64::from(w * visible);
+                        recorder.add(1, t, scaled(beta * value.f, le, scale));
                     }
                 }
             }
