@@ -23,6 +23,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use crate::decode::in_decoder;
 use crate::output::OutputError;
 
 use args::{Cli, Command};
@@ -67,6 +68,12 @@ impl Failure {
 
 /// Parses the arguments, runs the command and returns its exit status.
 pub fn run() -> ExitCode {
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        if !in_decoder() {
+            hook(info);
+        }
+    }));
     let result = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
         Command::Info(args) => info::run(&args),

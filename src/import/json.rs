@@ -11,7 +11,7 @@ use serde::de::{MapAccess, Visitor};
 use serde_json::value::RawValue;
 
 use super::place_in_file;
-use crate::scene::desc::{Diagnostic, Place};
+use crate::scene::desc::{Diagnostic, Escaped, Place};
 
 /// Deepest nesting of arrays and objects that is read.
 pub(super) const MAX_DEPTH: usize = 128;
@@ -222,8 +222,7 @@ pub(super) fn excerpt(text: &str) -> String {
 
 /// The start of a text with control characters escaped: what a file holds must not steer a terminal.
 pub(super) fn printable(text: &str) -> String {
-    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
-    excerpt(text).chars().map(escape).collect()
+    Escaped(&excerpt(text)).to_string()
 }
 
 /// An object's keys and values as slices of the input, duplicates included.

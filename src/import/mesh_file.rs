@@ -1,6 +1,5 @@
 //! Mesh files: which format, compressed or not, and where an error in one is.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -8,6 +7,7 @@ use flate2::read::MultiGzDecoder;
 
 use super::scan::{MeshError, Spot};
 use super::{obj, place_in_file, ply};
+use crate::decode::{OpenError, open_regular};
 use crate::scene::desc::{Diagnostic, MeshDesc};
 
 /// Largest size in bytes that a compressed mesh may inflate to: a small file can be made to fill any memory.
@@ -24,47 +24,61 @@ pub enum MeshFileError {
     Invalid(Diagnostic),
 }
 
-/// The known formats.
-#[derive(Clone, Copy)]
-enum Format {
+/// The formats of meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// Wavefront OBJ.
     Obj,
+    /// PLY, as text or binary.
     Ply,
 }
 
 /// Loads a mesh from an OBJ or PLY file; either may be compressed by gzip.
 ///
 /// # Errors
-/// When the file cannot be read, is of no known format (told by its name's ending), or is not a valid mesh.
+/// When the file is no regular one, cannot be read, is of no known format (told by its name's ending), or is not a valid
+/// mesh.
 pub fn load_mesh(path: &Path) -> Result<MeshDesc, MeshFileError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let (stem, compressed) = name.strip_suffix(".gz").map_or((name.as_str(), false), |stem| (stem, true));
     let format = match stem.rsplit_once('.').map(|(_, extension)| extension) {
-        Some("obj") => Format::Obj,
-        Some("ply") => Format::Ply,
+        Some("obj") => MeshFormat::Obj,
+        Some("ply") => MeshFormat::Ply,
         _ => return Err(MeshFileError::UnknownFormat),
     };
     let unreadable = |error: io::Error| MeshFileError::Unreadable(error.to_string());
-    let mut file = File::open(path).map_err(unreadable)?;
+    let (mut file, _) = open_regular(path).map_err(|error| match error {
+        OpenError::System(error) => unreadable(error),
+        OpenError::Folder => MeshFileError::Unreadable("it is a folder; give a mesh file inside it".to_owned()),
+        OpenError::Special => MeshFileError::Unreadable("it is a pipe or a device; give a regular file".to_owned()),
+    })?;
     let mut bytes = Vec::new();
     if compressed {
         inflate(file, MAX_INFLATED_BYTES, &mut bytes).map_err(unreadable)?;
     } else {
         file.read_to_end(&mut bytes).map_err(unreadable)?;
     }
+    mesh_from_bytes(&bytes, format, &path.display().to_string()).map_err(MeshFileError::Invalid)
+}
+
+/// Reads a mesh from the content of a file; `file` is what messages call it.
+///
+/// # Errors
+/// The first thing that is wrong with it, and where.
+pub fn mesh_from_bytes(bytes: &[u8], format: MeshFormat, file: &str) -> Result<MeshDesc, Diagnostic> {
     let mesh = match format {
-        Format::Obj => obj::parse(&bytes),
-        Format::Ply => ply::parse(&bytes),
+        MeshFormat::Obj => obj::parse(bytes),
+        MeshFormat::Ply => ply::parse(bytes),
     };
     mesh.map_err(|error| {
         let MeshError { at, message } = *error;
-        let file = path.display().to_string();
-        MeshFileError::Invalid(match at {
-            Spot::File => Diagnostic { at: place_in_file(&file, 0, 0), message },
-            Spot::Line(line, column) => Diagnostic { at: place_in_file(&file, line, column), message },
+        match at {
+            Spot::File => Diagnostic { at: place_in_file(file, 0, 0), message },
+            Spot::Line(line, column) => Diagnostic { at: place_in_file(file, line, column), message },
             Spot::Byte(byte) => {
-                Diagnostic { at: place_in_file(&file, 0, 0), message: format!("at byte {byte}: {message}") }
+                Diagnostic { at: place_in_file(file, 0, 0), message: format!("at byte {byte}: {message}") }
             }
-        })
+        }
     })
 }
 

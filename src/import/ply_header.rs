@@ -1,6 +1,7 @@
 //! The header of a PLY file: which elements, how many of each, and what properties they have.
 
 use super::scan::{MeshError, Scanned, Scanner, show};
+use crate::scene::desc::Escaped;
 
 /// How the elements are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +84,6 @@ pub(super) fn parse(bytes: &[u8]) -> Scanned<Header> {
         return s.error("not a PLY file: the first line must be `ply`");
     }
     s.next_line();
-    let mut line = 2;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
     loop {
@@ -114,11 +114,10 @@ pub(super) fn parse(bytes: &[u8]) -> Scanned<Header> {
             }
         }
         s.next_line();
-        line += 1;
     }
     s.next_line();
     let Some(encoding) = encoding else { return s.error("the header has no `format` line") };
-    let header = Header { encoding, elements, data: s.offset(), data_line: line + 1 };
+    let header = Header { encoding, elements, data: s.offset(), data_line: s.line() };
     check_counts(&header, bytes.len())?;
     Ok(header)
 }
@@ -140,7 +139,7 @@ fn format(s: &mut Scanner<'_>) -> Scanned<Encoding> {
 }
 
 fn element(s: &mut Scanner<'_>) -> Scanned<Element> {
-    let name = String::from_utf8_lossy(s.word()).into_owned();
+    let name = Escaped(&String::from_utf8_lossy(s.word())).to_string();
     let count = s.integer("the element's count")?;
     let count = match usize::try_from(count) {
         Ok(count) => count,
@@ -162,7 +161,7 @@ fn property(s: &mut Scanner<'_>) -> Scanned<Property> {
     } else {
         (None, scalar(s, Some(word))?)
     };
-    let name = String::from_utf8_lossy(s.word()).into_owned();
+    let name = show(s.word());
     Ok(Property { name, scalar: item, list })
 }
 

@@ -70,6 +70,11 @@ impl<'a> Scanner<'a> {
         self.pos
     }
 
+    /// The line of the next byte, from 1.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
     /// Where the scanner stands.
     pub fn here(&self) -> Spot {
         Spot::Line(self.line, self.pos - self.line_start + 1)
@@ -118,14 +123,16 @@ impl<'a> Scanner<'a> {
         matches!(self.peek(), None | Some(b'\n' | b'#'))
     }
 
-    /// Goes to the start of the next line.
+    /// Goes to the start of the next line, or to the end of the last.
     pub fn next_line(&mut self) {
         match self.bytes[self.pos..].iter().position(|&b| b == b'\n') {
-            Some(n) => self.pos += n + 1,
+            Some(n) => {
+                self.pos += n + 1;
+                self.line += 1;
+                self.line_start = self.pos;
+            }
             None => self.pos = self.bytes.len(),
         }
-        self.line += 1;
-        self.line_start = self.pos;
     }
 
     /// The word at the scanner, up to a blank or the line's end; empty when there is none.

@@ -6,7 +6,7 @@ use crate::accel::Accel;
 use crate::bsdf::{Bsdf, Transport};
 use crate::camera::{Camera, CameraRay};
 use crate::light::{DirectSample, LightEdge, LightPoint, Receiver};
-use crate::math::{Ray, Rgb, distance_squared};
+use crate::math::{Ray, Rgb, distance_squared, scaled};
 use crate::planted::{Bug, planted};
 use crate::sampling::{Sampler, Stream};
 use crate::scene::desc::Heuristic;
@@ -197,7 +197,7 @@ pub(super) fn sample<A: Accel, const T: bool>(
                         false => weight(settings, pdf_light, f64::from(value.pdf_fwd.0) * cos),
                     };
                     let weighted =
-                        |w: f32, visible: f32| beta * value.f * le * ((cos / pdf_light) as f32 * w * visible);
+                        |w: f32, visible: f32| scaled(beta * value.f, le, cos / pdf_light * f64::from(w * visible));
                     recorder.tell(|| made(1, t, id, Some([weighted(1.0, 1.0), weighted(w(), 1.0)]), visible));
                     if visible > 0.0 {
                         recorder.add(1, t, weighted(w(), visible));

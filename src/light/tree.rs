@@ -168,13 +168,14 @@ impl LightTree {
         self.build(emitters, total, second, &bounds[1], trail | 1 << depth, depth + 1);
     }
 
-    /// The probability of going on to the second half of an inner node; `None` where neither half sends anything.
+    /// The probabilities of going on to either half of an inner node; `None` where neither half sends anything.
     #[inline]
-    fn second(&self, at: usize, receiver: &Receiver) -> Option<f64> {
+    fn halves(&self, at: usize, receiver: &Receiver) -> Option<[f64; 2]> {
         let a = f64::from(self.nodes[at + 1].importance(receiver));
         let b = f64::from(self.nodes[self.nodes[at].link as usize].importance(receiver));
         let sum = a + b;
-        (sum > 0.0).then(|| b / sum)
+        // The one is not taken from the other: beside a much stronger one nothing would be left of it.
+        (sum > 0.0).then(|| [a / sum, b / sum])
     }
 
     /// Chooses an emitter by one uniform number in [0, 1), with its probability; `None` where none sends anything.
@@ -182,10 +183,9 @@ impl LightTree {
     pub fn sample(&self, receiver: &Receiver, u: f64) -> Option<(u32, f64)> {
         let (mut at, mut u, mut p) = (0, u, 1.0);
         while !self.nodes[at].leaf {
-            let second = self.second(at, receiver)?;
-            let first = 1.0 - second;
+            let [first, second] = self.halves(at, receiver)?;
             // What is left of the number is uniform again.
-            if u < first {
+            if u < first || second == 0.0 {
                 (u, p, at) = (u / first, p * first, at + 1);
             } else {
                 (u, p, at) = ((u - first) / second, p * second, self.nodes[at].link as usize);
@@ -200,9 +200,9 @@ impl LightTree {
     pub fn pmf(&self, receiver: &Receiver, emitter: u32) -> f64 {
         let (mut at, mut p, mut trail) = (0, 1.0, self.trails[emitter as usize]);
         while !self.nodes[at].leaf {
-            let Some(second) = self.second(at, receiver) else { return 0.0 };
+            let Some([first, second]) = self.halves(at, receiver) else { return 0.0 };
             if trail & 1 == 0 {
-                (p, at) = (p * (1.0 - second), at + 1);
+                (p, at) = (p * first, at + 1);
             } else {
                 (p, at) = (p * second, self.nodes[at].link as usize);
             }

@@ -29,10 +29,28 @@ pub fn sqr(x: f64) -> f64 {
     x * x
 }
 
+/// `a b s`, multiplied in f64: of a peaked lobe, bright light and a small weight, f32 may hold the product but no part of it.
+#[inline(always)]
+pub fn scaled(a: Rgb, b: Rgb, s: f64) -> Rgb {
+    (a.as_dvec3() * b.as_dvec3() * s).as_vec3a()
+}
+
 /// The squared distance between two points in f64: differences of nearby f32 points are exact, their squares are not.
 #[inline(always)]
 pub fn distance_squared(a: Vec3, b: Vec3) -> f64 {
     let d = b - a;
     let (x, y, z) = (f64::from(d.x), f64::from(d.y), f64::from(d.z));
     x * x + y * y + z * z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_product_is_held_where_no_part_of_it_is() {
+        let (a, b) = (Rgb::new(1e38, 1e-30, 2.0), Rgb::new(1e30, 1e-30, 3.0));
+        assert_eq!(scaled(a, b, 1e-60), Rgb::new(1e8, 0.0, 6e-60));
+        assert!((scaled(a, b, 1e40).y - 1e-20).abs() < 1e-26);
+    }
 }

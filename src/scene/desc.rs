@@ -1,11 +1,13 @@
 //! A scene as it is written: plain data, in the file's units and order, checked value by value but not yet prepared.
 
+mod escaped;
 mod texture;
 
 use std::fmt;
 
 use crate::math::{DAffine3, DMat3, DVec3};
 
+pub use escaped::Escaped;
 pub use texture::{Filter, FinishDesc, Param, Texels, TextureDesc, Wrap};
 
 /// A linear RGB triple as written.
@@ -433,12 +435,12 @@ pub struct Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file)?;
+        write!(f, "{}", Escaped(&self.file))?;
         if self.line > 0 {
             write!(f, ":{}:{}", self.line, self.column)?;
         }
         if !self.pointer.is_empty() {
-            write!(f, ": {}", self.pointer)?;
+            write!(f, ": {}", Escaped(&self.pointer))?;
         }
         Ok(())
     }
@@ -455,7 +457,7 @@ pub struct Diagnostic {
 
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.at, self.message)
+        write!(f, "{}: {}", self.at, Escaped(&self.message))
     }
 }
 

@@ -89,13 +89,33 @@ pub fn measure<A: Accel>(scene: &Scene<A>, settings: Settings, samples: u32, see
     }
 }
 
-/// Paths that the weights of are judged.
-const JUDGED: u32 = 20_000;
+/// How far from 1 the weights of a path may sum.
+const WEIGHTS: f64 = 1e-4;
 
-/// Judges the weights of random paths by their densities multiplied out.
-pub fn weights<A: Accel>(scene: &Scene<A>, settings: Settings) -> Seen {
+/// How far a weight may be off by itself, where that is more than 10⁻⁴: over what rounding the path's points does to its
+/// densities, which the power heuristic squares.
+const WEIGHT: f64 = 3.0;
+
+/// Judges the weights of `bdpt` on `paths` random paths by their densities multiplied out.
+pub fn weights<A: Accel>(scene: &Scene<A>, settings: Settings, paths: u32) -> Seen {
     let judge = Judge::new(scene, settings);
-    (0..JUDGED).into_par_iter().map(|index| Seen::path(&judge, index)).reduce(Seen::default, Seen::merge)
+    (0..paths).into_par_iter().map(|index| Seen::path(&judge, index)).reduce(Seen::default, Seen::merge)
+}
+
+/// What is wrong with the weights; empty when nothing is.
+pub fn faults_of_weights(seen: &Seen) -> Vec<String> {
+    let mut faults = Vec::new();
+    // A NaN is a fault.
+    let (sum, weight, over) = (seen.worst_sum, seen.worst_weight, seen.worst_weight_over_condition);
+    if !(sum <= WEIGHTS && over <= WEIGHT) {
+        faults.push(format!(
+            "Σw − 1 up to {sum:.1e}, a weight off by {weight:.1e}, {over:.1} times what rounding explains"
+        ));
+    }
+    if let Some(fault) = seen.failure.as_ref().filter(|f| f.starts_with("the choice") || f.starts_with("densities")) {
+        faults.push(fault.chars().take(100).collect());
+    }
+    faults
 }
 
 /// What the walks saw.
@@ -109,14 +129,11 @@ pub struct Audit {
     pub escapes: u64,
 }
 
-/// Camera paths for the audit.
-const WALKS: u32 = 4096;
-
-/// Scatterings of each.
+/// Scatterings of each walk.
 const STEPS: u32 = 12;
 
-/// Walks from the camera by the BSDFs.
-pub fn audit<A: Accel>(scene: &Scene<A>, closed: bool) -> Audit {
+/// Takes `walks` walks from the camera by the BSDFs.
+pub fn audit<A: Accel>(scene: &Scene<A>, closed: bool, walks: u32) -> Audit {
     let [width, height] = scene.camera.resolution();
     let walk = |index: u32| {
         let mut audit = Audit::default();
@@ -154,7 +171,7 @@ pub fn audit<A: Accel>(scene: &Scene<A>, closed: bool) -> Audit {
         }
         audit
     };
-    (0..WALKS).into_par_iter().map(walk).reduce(Audit::default, |a, b| Audit {
+    (0..walks).into_par_iter().map(walk).reduce(Audit::default, |a, b| Audit {
         rays: a.rays + b.rays,
         self_hits: a.self_hits + b.self_hits,
         escapes: a.escapes + b.escapes,

@@ -12,6 +12,7 @@ mod report;
 
 pub use case::{Case, Expected};
 pub use cases::cases;
+pub use measure::{Audit, Measured, Run, audit, faults_of_weights, measure, weights};
 pub use precision::{Precision, precision};
 pub use report::{HEADING, Report, Row};
 
@@ -31,8 +32,6 @@ use crate::integrator::bdpt::oracle::Seen;
 use crate::integrator::{Integrator, Settings};
 use crate::scene::{Scene, prepare};
 
-use measure::{Measured, audit, measure, weights};
-
 /// Independent renders of each side of a comparison.
 const SEEDS: u64 = 16;
 
@@ -42,12 +41,11 @@ const CONFIDENCE: f64 = 0.99;
 /// p-values below this are evidence of a difference: a report makes some hundreds of comparisons, with fixed seeds.
 const ALPHA: f64 = 1e-5;
 
-/// How far from 1 the weights of a path may sum.
-const WEIGHTS: f64 = 1e-4;
+/// Camera paths for the audit.
+const WALKS: u32 = 4096;
 
-/// How far a weight may be off by itself, where that is more than `WEIGHTS`: over what rounding the path's points does to its
-/// densities, which the power heuristic squares.
-const WEIGHT: f64 = 3.0;
+/// Paths that the weights of are judged.
+const JUDGED: u32 = 20_000;
 
 /// Relative differences of energies that rounding makes.
 const ROUNDING: f64 = 2e-5;
@@ -68,7 +66,7 @@ fn run_on<A: Accel>(cases: &[Case], effort: u32, rows: &mut Vec<Row>, done: &mut
     // Many cases are compared with one undisturbed scene.
     let mut renders = Renders::new();
     for case in cases {
-        let walked = build::<A>(&case.scene).and_then(|scene| guarded(|| audit(&scene, case.closed)));
+        let walked = build::<A>(&case.scene).and_then(|scene| guarded(|| audit(&scene, case.closed, WALKS)));
         for &integrator in case.integrators {
             let mut row = Row::new(case, integrator, A::NAME);
             match &walked {
@@ -80,7 +78,7 @@ fn run_on<A: Accel>(cases: &[Case], effort: u32, rows: &mut Vec<Row>, done: &mut
                 if integrator == Integrator::Bdpt {
                     row.weigh(
                         build::<A>(&case.scene)
-                            .and_then(|scene| guarded(|| weights(&scene, settings(case, integrator)))),
+                            .and_then(|scene| guarded(|| weights(&scene, settings(case, integrator), JUDGED))),
                     );
                 }
             }
@@ -152,18 +150,8 @@ impl Row {
         };
         if seen.paths > 0 {
             self.weights = Some(seen.worst_sum);
-            // A NaN is a fault.
-            if !(seen.worst_sum <= WEIGHTS && seen.worst_weight_over_condition <= WEIGHT) {
-                let (sum, weight) = (seen.worst_sum, seen.worst_weight);
-                let over = seen.worst_weight_over_condition;
-                self.faults.push(format!(
-                    "Σw − 1 up to {sum:.1e}, a weight off by {weight:.1e}, {over:.1} times what rounding explains"
-                ));
-            }
         }
-        if let Some(fault) = seen.failure.filter(|f| f.starts_with("the choice") || f.starts_with("densities")) {
-            self.faults.push(fault.chars().take(100).collect());
-        }
+        self.faults.extend(faults_of_weights(&seen));
     }
 
     /// Judges the differences of renders with equal seeds from what is expected.

@@ -264,3 +264,16 @@ fn a_flood_of_errors_is_cut() {
     assert_eq!(diagnostics.len(), 101);
     assert_eq!(diagnostics[100].to_string(), "s.json: 50 more errors are not shown");
 }
+
+/// Keys come up in messages as the places of what they hold: they must not steer a terminal.
+#[test]
+fn places_are_printable() {
+    let found = read("{\"camera\": {}, \"surfaces\": [{\"ty\u{7f}pe\": 1, \"b\\u001b[2J\": {}}]}").unwrap_err();
+    assert!(
+        found.contains("/surfaces/0/ty\\u{7f}pe: unknown key") && found.contains("/surfaces/0/b\\u{1b}[2J"),
+        "{found}"
+    );
+    let missing =
+        r#"{"camera": {}, "surfaces": [{"type": "mesh", "material": {"type": "mirror"}, "filename": "\u001b.obj"}]}"#;
+    assert!(read(missing).unwrap_err().contains("cannot read \\u{1b}.obj: "));
+}

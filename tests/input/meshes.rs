@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Write;
 
-use twinlight::import::{MeshFileError, load_mesh, load_scene};
+use twinlight::import::{MeshFileError, load_mesh, load_scene, scene_from_bytes};
 
 use super::{each, expect_errors, mesh_of, shared, temporary};
 
@@ -375,4 +375,68 @@ fn meshes_of_the_ajar_door_load() {
         files += 1;
     }
     assert_eq!(files, 17);
+}
+
+/// Whatever is no regular file could make the renderer wait or read for ever.
+#[cfg(unix)]
+#[test]
+fn assets_are_regular_files() {
+    let folder = temporary("regular", b"").with_extension("folder");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(folder.join("folder.ply")).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(folder.join("pipe.obj")).status().unwrap().success());
+    std::os::unix::fs::symlink("/dev/zero", folder.join("zero.ply.gz")).unwrap();
+    std::os::unix::fs::symlink("pipe.obj", folder.join("pipe.png")).unwrap();
+    let error = |text: &str| scene_from_bytes(text.as_bytes(), "s.json", &folder).unwrap_err().to_string();
+    for (name, message) in [
+        ("folder.ply", "it is a folder; give a mesh file inside it"),
+        ("pipe.obj", "it is a pipe or a device; give a regular file"),
+        ("zero.ply.gz", "it is a pipe or a device; give a regular file"),
+    ] {
+        let mesh = format!("{{\"type\": \"mesh\", \"material\": {{\"type\": \"mirror\"}}, \"filename\": \"{name}\"}}");
+        let found = error(&format!("{{\"camera\": {{}}, \"surfaces\": [{mesh}]}}"));
+        let path = folder.join(name);
+        assert_eq!(found, format!("s.json:1:90: /surfaces/0/filename: cannot read {}: {message}", path.display()));
+    }
+    let found = error(r#"{"camera": {}, "background": {"type": "image", "filename": "pipe.png"}}"#);
+    assert!(found.ends_with("pipe.png: it is a pipe or a device; give a regular file"), "{found}");
+    // A scene may come through a pipe.
+    let scene = folder.join("scene.json");
+    assert!(std::process::Command::new("mkfifo").arg(&scene).status().unwrap().success());
+    let writer = std::thread::spawn({
+        let scene = scene.clone();
+        move || fs::write(scene, "{\"camera\": {}}").unwrap()
+    });
+    assert!(load_scene(&scene).is_ok());
+    writer.join().unwrap();
+}
+
+/// The header of a file that ends in it has as many lines as it has.
+#[test]
+fn the_last_line_of_a_mesh() {
+    assert_eq!(
+        mesh_error("unended.ply", b"ply\nformat ascii 1.0\ncomment no end"),
+        "unended.ply:3:15: the header has no `end_header`; is the file truncated?"
+    );
+}
+
+/// Names of properties and elements are told in messages: they must not steer a terminal.
+#[test]
+fn names_in_a_mesh_are_printable() {
+    let header = |vertex: &str, names: [&str; 2]| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\n{vertex}property float {}\nelement {} 1\nproperty float x\n\
+             element face 1\nproperty list uchar int vertex_indices\nend_header\n",
+            names[0], names[1]
+        )
+    };
+    let xyz = "property float x\nproperty float y\nproperty float z\n";
+    let found = mesh_error(
+        "property.ply",
+        (header(xyz, ["a\u{1b}", "b"]) + "0 0 0\n0 0 0 0\n0 0 0 0\n0\n3 0 1 2\n").as_bytes(),
+    );
+    assert_eq!(found, "property.ply:13:6: the line ends within property `a\\u{1b}`");
+    let bytes = header(xyz, ["a", "b\u{1b}"]) + "0 0 0 0\n0 0 0 0\n0 0 0 0\n1 2\n3 0 1 2\n";
+    let found = mesh_error("element.ply", bytes.as_bytes());
+    assert_eq!(found, "element.ply:16:3: `2` follows b\\u{1b}; the line should end here");
 }

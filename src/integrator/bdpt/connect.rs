@@ -13,7 +13,7 @@ use crate::integrator::path::sample_light;
 use crate::integrator::trace::{Made, Step};
 use crate::integrator::{Recorder, Technique};
 use crate::light::{Light, LightEdge, LightPoint, Receiver};
-use crate::math::{Ray, Rgb, Vec3, distance_squared};
+use crate::math::{Ray, Rgb, Vec3, distance_squared, scaled};
 use crate::pdf::Pmf;
 use crate::planted::{Bug, planted};
 use crate::sampling::Sampler;
@@ -181,7 +181,7 @@ impl Bdpt {
         let behind = mis.behind(&z.partial, self.count_behind_camera(z.number), f64::from(value.pdf_rev.0));
         let started = mis.h(emission / pdf_direct * direction * cos_z) * behind;
         let scale = cos_light / pdf_direct * mis.weight_over_d2((hit + started) / mis.next_event, d2);
-        Some(z.beta * value.f * le * scale as f32)
+        Some(scaled(z.beta * value.f, le, scale))
     }
 
     /// s ≥ 2, t ≥ 2: camera vertex `z` with every kept vertex of the light subpaths it connects to.
@@ -237,7 +237,7 @@ impl Bdpt {
         let others = (light_side + camera_side) / mis.connections;
         let again = if planted(Bug::CosineTwiceInConnections) { cos_y * cos_z } else { 1.0 };
         let scale = again * mis.weight_over_d2(others, d2) / f64::from(self.connections);
-        Some(z.beta * at_z.f * at_y.f * y.beta * scale as f32)
+        Some(scaled(z.beta * at_z.f, at_y.f * y.beta, scale))
     }
 
     /// t = 1, s ≥ 2: light vertex `y` seen by the camera.

@@ -233,3 +233,19 @@ fn extremes_are_finite() {
         assert!((pmf.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{p}: {pmf:?}");
     }
 }
+
+/// The weaker of two emitters keeps its chance, whichever of the halves it is: taken from the other's, nothing is left of it.
+#[test]
+fn beside_a_much_stronger_one_an_emitter_keeps_its_chance() {
+    let places = [Vec3::ZERO, Vec3::X];
+    for weak in [0, 1] {
+        let emitters = [0, 1].map(|i| point(places[i], if i == weak { 1e-20 } else { 1.0 }));
+        let tree = LightTree::new(&emitters).expect("a tree");
+        for receiver in receivers(30) {
+            let [p, q] = [weak, 1 - weak].map(|i| tree.pmf(&receiver, i as u32));
+            assert!(
+                q == 0.0 || (p > 0.0 && p < 1e-15) || p == 0.0 && tree.nodes[1 + weak].importance(&receiver) == 0.0
+            );
+        }
+    }
+}

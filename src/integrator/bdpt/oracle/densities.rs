@@ -221,7 +221,7 @@ impl<'p> Densities<'p> {
             s if s == self.k && self.k == 1 => !self.delta_light && !self.path.windows[0],
             s => connectible(s - 1) && connectible(s) && !self.path.windows[s - 1],
         };
-        open && (s != self.k || self.light_paths > 0.0)
+        open && self.count(s) > 0.0
     }
 
     /// How many samples it takes.
@@ -273,7 +273,10 @@ fn both_ways(v: &Inner, back: Vec3, forth: Vec3, fault: &mut Option<String>) -> 
         // The same bits, but for refraction by facets: their half vectors are scaled by η one way, by 1/η the other.
         // Of a lobe of width α the density changes by 2/α of what the half vector's direction is off.
         let off = match v.bsdf {
-            Bsdf::RoughDielectric(b) => 1e-5_f64.max(1e-6 / f64::from(b.roughness.alpha[0].min(b.roughness.alpha[1]))),
+            Bsdf::RoughDielectric(b) => {
+                let alpha = f64::from(b.roughness.alpha[0].min(b.roughness.alpha[1]));
+                1e-5_f64.max(1e-6 / alpha) * f64::from(b.ior.max(1.0 / b.ior))
+            }
             _ => 0.0,
         };
         let same = |a: f64, b: f64| a == b || (a / b - 1.0).abs() < off;

@@ -43,7 +43,6 @@ pub struct Judge<'a, A> {
 /// One technique's verdict on a path.
 #[derive(Clone, Copy, Debug)]
 struct Verdict {
-    #[allow(dead_code)] // read by the failure message
     s: usize,
     /// The production code's weight and the oracle's.
     weight: f64,
@@ -57,13 +56,15 @@ struct Verdict {
 impl<'a, A: Accel> Judge<'a, A> {
     /// For a scene, and `bdpt` with these settings.
     pub fn new(scene: &'a Scene<A>, settings: Settings) -> Self {
-        let Settings { heuristic, light_paths, connections, .. } = settings;
+        let Settings { heuristic, light_paths, .. } = settings;
         let light_paths = f64::from(light_paths) * Crop::full(scene.camera.resolution()).pixels() as f64;
         let weighted = Bdpt::new(scene, settings, light_paths);
         // None are traced where they would be of no use.
         let traced = if weighted.traces_light() { light_paths } else { 0.0 };
         let plain = Bdpt::new(scene, Settings { weighted: false, ..settings }, light_paths);
-        Self { scene, weighted, plain, heuristic, connections: f64::from(connections), light_paths: traced }
+        // Subpaths that are not traced are not connected to either.
+        let connections = f64::from(weighted.connections);
+        Self { scene, weighted, plain, heuristic, connections, light_paths: traced }
     }
 
     /// `None` when the path carries nothing or leaves the view, and when `fault` says what is wrong with it.
@@ -100,7 +101,13 @@ impl<'a, A: Accel> Judge<'a, A> {
             let contribution = without / densities.contribution(s).max_element() - 1.0;
             verdicts.push(Verdict { s, weight: with / without, oracle, measurement: without * measure, contribution });
         }
-        Some(verdicts)
+        // Of a path that carries nothing, or more or less than f32 holds, no weight can be told by dividing.
+        let held = |x: f64| (1e-30..=1e30).contains(&x);
+        let carried = |v: Vertex| f64::from(v.beta.max_element());
+        let measurement = verdicts.iter().map(|v| v.measurement).filter(|m| m.is_finite()).fold(0.0, f64::max);
+        let all_held = (1..k).all(|i| held(carried(light_side(i))) && held(carried(camera_side(i))))
+            && verdicts.iter().all(|v| held(measurement / (densities.density(v.s) * densities.count(v.s))));
+        all_held.then_some(verdicts)
     }
 
     /// The vertices of either side with throughput and partial sums, by the production recursion.
@@ -210,6 +217,11 @@ pub struct Seen {
     pub failure: Option<String>,
 }
 
+/// The larger of two deviations; a NaN, which `f64::max` would pass over, is larger than all.
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
 impl Seen {
     /// Looks at the path of this number.
     pub fn path<A: Accel>(judge: &Judge<'_, A>, index: u32) -> Self {
@@ -245,15 +257,13 @@ impl Seen {
             u64::from(visibilities.iter().any(|[a, b]| *a == 0.0 || *b == 0.0 || (a / b - 1.0).abs() > 1e-4));
         for v in &verdicts {
             let off = (v.weight - v.oracle).abs() / (v.oracle + 1e-6);
-            seen.worst_weight = seen.worst_weight.max(off);
+            seen.worst_weight = worse(seen.worst_weight, off);
             if off.is_nan() || off >= 1e-4 {
                 let condition = replay::condition(judge, &path);
-                // A NaN is off without bound.
-                let over = if off.is_nan() { f64::INFINITY } else { off / condition };
-                seen.worst_weight_over_condition = seen.worst_weight_over_condition.max(over);
+                seen.worst_weight_over_condition = worse(seen.worst_weight_over_condition, off / condition);
             }
             require(off < 1e-4, "a weight differs from the oracle's");
-            seen.worst_contribution = seen.worst_contribution.max(v.contribution.abs());
+            seen.worst_contribution = worse(seen.worst_contribution, v.contribution.abs());
             require(v.contribution.abs() < 1e-5, "a contribution is not the product of its factors");
             // The stored points around a delta vertex are a rounding away from Snell's law: the cosines there are off
             // by that rounding over the edge's length and the cosine. Everywhere else the identity holds to rounding.
@@ -261,12 +271,12 @@ impl Seen {
             if delta && spread >= 1e-4 {
                 let condition = path.condition(judge.scene);
                 seen.tail += 1;
-                seen.worst_tail = seen.worst_tail.max(spread);
-                seen.worst_condition = seen.worst_condition.max(condition);
-                seen.worst_ratio = seen.worst_ratio.max(spread / condition);
+                seen.worst_tail = worse(seen.worst_tail, spread);
+                seen.worst_condition = worse(seen.worst_condition, condition);
+                seen.worst_ratio = worse(seen.worst_ratio, spread / condition);
                 require(spread < 2.0 * condition, "techniques measure differently");
             } else {
-                seen.worst_identity = seen.worst_identity.max(spread);
+                seen.worst_identity = worse(seen.worst_identity, spread);
                 require(spread < 1e-4, "techniques measure differently");
             }
         }
@@ -282,18 +292,19 @@ impl Seen {
             with_delta: self.with_delta + o.with_delta,
             techniques_with_delta: self.techniques_with_delta + o.techniques_with_delta,
             tail: self.tail + o.tail,
-            worst_sum: self.worst_sum.max(o.worst_sum),
-            worst_weight: self.worst_weight.max(o.worst_weight),
-            worst_weight_over_condition: self.worst_weight_over_condition.max(o.worst_weight_over_condition),
-            worst_contribution: self.worst_contribution.max(o.worst_contribution),
-            worst_identity: self.worst_identity.max(o.worst_identity),
-            worst_tail: self.worst_tail.max(o.worst_tail),
-            worst_condition: self.worst_condition.max(o.worst_condition),
-            worst_ratio: self.worst_ratio.max(o.worst_ratio),
+            worst_sum: worse(self.worst_sum, o.worst_sum),
+            worst_weight: worse(self.worst_weight, o.worst_weight),
+            worst_weight_over_condition: worse(self.worst_weight_over_condition, o.worst_weight_over_condition),
+            worst_contribution: worse(self.worst_contribution, o.worst_contribution),
+            worst_identity: worse(self.worst_identity, o.worst_identity),
+            worst_tail: worse(self.worst_tail, o.worst_tail),
+            worst_condition: worse(self.worst_condition, o.worst_condition),
+            worst_ratio: worse(self.worst_ratio, o.worst_ratio),
             mixtures: self.mixtures + o.mixtures,
             thinned: self.thinned + o.thinned,
             blocked: self.blocked + o.blocked,
-            failure: self.failure.or(o.failure),
+            // Of two faults the one that cannot be told in numbers.
+            failure: if o.worst_sum.is_nan() { o.failure.or(self.failure) } else { self.failure.or(o.failure) },
         }
     }
 }

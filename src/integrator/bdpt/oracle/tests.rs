@@ -125,3 +125,13 @@ fn weights_partition_unity_and_every_technique_measures_the_same() {
     println!("{blocked} of {paths} paths have an edge that rounding blocks");
     assert!(blocked * 100_000 < paths, "{blocked} of {paths} paths have an edge that is not seen along");
 }
+
+/// What `twinlight stress` judges by.
+#[test]
+fn a_nan_is_the_worst_of_all() {
+    let seen = |worst_sum: f64| Seen { worst_sum, ..Seen::default() };
+    for sums in [[0.5, f64::NAN, 0.1], [f64::NAN, 0.5, 0.1], [0.1, 0.5, f64::NAN]] {
+        assert!(sums.map(seen).into_iter().reduce(Seen::merge).unwrap().worst_sum.is_nan());
+    }
+    assert_eq!([0.1, 0.5, 0.2].map(seen).into_iter().reduce(Seen::merge).unwrap().worst_sum, 0.5);
+}
