@@ -166,7 +166,7 @@ impl<A: Accel> Page<'_, A> {
     fn light_point(&self, point: &LightPoint) -> String {
         match point {
             LightPoint::Surface(at) => format!("at {}", self.place(at.p())),
-            LightPoint::Delta(p) => format!("at {}", self.place(*p)),
+            LightPoint::Delta(place) => format!("at {}", self.place(place.p)),
             LightPoint::Infinite(toward) => format!("toward {}", direction(*toward)),
         }
     }

@@ -18,7 +18,7 @@ pub use area::{AreaLight, Emission, Emitter};
 pub use choice::LightChoice;
 pub use environment_map::EnvironmentMap;
 pub use infinite::{DirectionalLight, Environment, EnvironmentLight, SceneBall};
-pub use point::{LightEdge, LightPoint};
+pub use point::{DeltaPlace, LightEdge, LightPoint};
 pub use receiver::Receiver;
 pub use spot::{Cone, Profile, SpotLight};
 pub use tree::{EmitterBound, LightTree};
@@ -48,8 +48,8 @@ pub enum Light {
 /// An isotropic point light.
 #[derive(Clone, Debug)]
 pub struct PointLight {
-    /// Where, render space.
-    pub position: Vec3,
+    /// Where.
+    pub place: DeltaPlace,
     /// Radiant intensity, W·sr⁻¹ in render units (scaled with the square of the scene's scale).
     pub intensity: Rgb,
 }
@@ -128,6 +128,22 @@ impl Light {
         }
     }
 
+    /// Where it stands, if it is a point.
+    pub fn place(&self) -> Option<&DeltaPlace> {
+        match self {
+            Self::Point(PointLight { place, .. }) | Self::Spot(SpotLight { place, .. }) => Some(place),
+            Self::Area(_) | Self::Directional(_) | Self::Environment(_) => None,
+        }
+    }
+
+    /// That place, to be told what surface it is on.
+    pub fn place_mut(&mut self) -> Option<&mut DeltaPlace> {
+        match self {
+            Self::Point(PointLight { place, .. }) | Self::Spot(SpotLight { place, .. }) => Some(place),
+            Self::Area(_) | Self::Directional(_) | Self::Environment(_) => None,
+        }
+    }
+
     /// Starts a light subpath: point, first edge and their densities.
     #[inline]
     pub fn sample_emission(
@@ -137,8 +153,8 @@ impl Light {
         u_position: [f32; 2],
         u_direction: [f32; 2],
     ) -> Option<EmissionSample> {
-        let delta = |position, w, le, pdf: SolidAnglePdf| {
-            let point = LightPoint::Delta(position);
+        let delta = |place, w, le, pdf: SolidAnglePdf| {
+            let point = LightPoint::Delta(place);
             EmissionSample {
                 point,
                 origin: point.origin(w),
@@ -152,7 +168,7 @@ impl Light {
             Self::Area(l) => l.sample_emission(geometry, u_part, u_position, u_direction),
             Self::Point(l) => {
                 let w = warp::uniform_sphere(u_direction);
-                Some(delta(l.position, w, l.intensity, SolidAnglePdf(0.25 / PI)))
+                Some(delta(l.place, w, l.intensity, SolidAnglePdf(0.25 / PI)))
             }
             Self::Spot(l) => {
                 let (w, pdf) = l.sample_direction(u_direction);
@@ -160,7 +176,7 @@ impl Light {
                 if pdf.0 == 0.0 {
                     return None;
                 }
-                Some(delta(l.position, w, l.emitted(w), pdf))
+                Some(delta(l.place, w, l.emitted(w), pdf))
             }
             Self::Directional(l) => Some(l.sample_emission(u_position)),
             Self::Environment(l) => l.sample_emission(u_part, u_position, u_direction),
@@ -194,8 +210,8 @@ impl Light {
         };
         match self {
             Self::Area(l) => Some(l.bound(geometry, part)),
-            Self::Point(l) => Some(at(l.position, Vec3::Z, PI, l.intensity)),
-            Self::Spot(l) => Some(at(l.position, l.axis(), l.outer_angle(), l.intensity)),
+            Self::Point(l) => Some(at(l.place.p, Vec3::Z, PI, l.intensity)),
+            Self::Spot(l) => Some(at(l.place.p, l.axis(), l.outer_angle(), l.intensity)),
             Self::Directional(_) | Self::Environment(_) => None,
         }
     }
@@ -221,8 +237,8 @@ impl Light {
                 let (point, pdf) = l.sample_direct(geometry, from, part, u)?;
                 Some(DirectSample { point: LightPoint::Surface(point), pdf: pdf.into() })
             }
-            Self::Point(PointLight { position, .. }) | Self::Spot(SpotLight { position, .. }) => {
-                Some(DirectSample { point: LightPoint::Delta(*position), pdf: LightPointPdf::UNIT_MASS })
+            Self::Point(PointLight { place, .. }) | Self::Spot(SpotLight { place, .. }) => {
+                Some(DirectSample { point: LightPoint::Delta(*place), pdf: LightPointPdf::UNIT_MASS })
             }
             Self::Directional(l) => {
                 Some(DirectSample { point: LightPoint::Infinite(l.toward), pdf: LightPointPdf::UNIT_MASS })

@@ -3,13 +3,51 @@
 use crate::geometry::SurfacePoint;
 use crate::math::{Ray, Vec3, distance_squared, gamma};
 
+/// Where a delta light stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeltaPlace {
+    /// The point, render space.
+    pub p: Vec3,
+    /// The unit normal of the surface that it stands on, within rounding; zero where it stands free.
+    pub on: Vec3,
+}
+
+impl DeltaPlace {
+    /// A place off all surfaces.
+    pub fn free(p: Vec3) -> Self {
+        Self { p, on: Vec3::ZERO }
+    }
+
+    /// How far from a surface the point may be, along the surface's normal, and stand on it: what the traversal of a short ray
+    /// may be off.
+    pub fn tolerance(&self) -> f32 {
+        reach(self.p, 0.0)
+    }
+
+    /// The point moved towards the unit vector `w` by what the traversal of a segment of this length may be off, so that a
+    /// surface it stands on does not hide it; and off the surface that it is known to stand on, by the same to the side of
+    /// `w`: along `w` alone, directions within 1/1000 of the surface would stay on it, and be lost or seen on both sides.
+    #[inline]
+    fn beside(&self, w: Vec3, length: f32) -> Vec3 {
+        let by = reach(self.p, length);
+        self.p + w * by + self.on * by.copysign(self.on.dot(w))
+    }
+}
+
+/// What the traversal of a segment of this length at a point may be off. Render space is about one unit large, and so are its
+/// largest triangles.
+#[inline]
+fn reach(p: Vec3, length: f32) -> f32 {
+    gamma(16) * (1.0 + p.abs().max_element() + length)
+}
+
 /// A point on a light, chosen for a light subpath or for next-event estimation, or hit.
 #[derive(Clone, Copy, Debug)]
 pub enum LightPoint {
     /// On an emitting surface.
     Surface(SurfacePoint),
     /// At a delta light.
-    Delta(Vec3),
+    Delta(DeltaPlace),
     /// At infinity, in this unit direction.
     Infinite(Vec3),
 }
@@ -32,7 +70,7 @@ impl LightPoint {
     pub fn edge_from(&self, from: Vec3) -> Option<LightEdge> {
         let (p, ng) = match self {
             Self::Surface(s) => (s.p(), Some(s.ng)),
-            Self::Delta(p) => (*p, None),
+            Self::Delta(place) => (place.p, None),
             Self::Infinite(toward) => return Some(LightEdge { wi: *toward, d2: 1.0, cos: 1.0 }),
         };
         let d2 = distance_squared(from, p);
@@ -48,7 +86,7 @@ impl LightPoint {
     pub fn distance_squared(&self, to: Vec3) -> f64 {
         match self {
             Self::Surface(s) => distance_squared(s.p(), to),
-            Self::Delta(p) => distance_squared(*p, to),
+            Self::Delta(place) => distance_squared(place.p, to),
             Self::Infinite(_) => 1.0,
         }
     }
@@ -68,7 +106,7 @@ impl LightPoint {
     pub fn origin(&self, w: Vec3) -> Vec3 {
         match self {
             Self::Surface(s) => s.origin(w),
-            Self::Delta(p) => beside(*p, w, 0.0),
+            Self::Delta(place) => place.beside(w, 0.0),
             Self::Infinite(toward) => *toward,
         }
     }
@@ -78,20 +116,13 @@ impl LightPoint {
     pub fn shadow_ray(&self, at: &SurfacePoint) -> Ray {
         match self {
             Self::Surface(s) => Ray::segment(at.origin(s.p() - at.p()), s.segment_end(at.p())),
-            Self::Delta(p) => {
-                let back = at.p() - *p;
+            Self::Delta(place) => {
+                let back = at.p() - place.p;
                 let length = back.length();
-                let end = if length > 0.0 { beside(*p, back / length, length) } else { *p };
+                let end = if length > 0.0 { place.beside(back / length, length) } else { place.p };
                 Ray::segment(at.origin(-back), end)
             }
             Self::Infinite(toward) => Ray::new(at.origin(*toward), *toward),
         }
     }
-}
-
-/// A delta point moved towards the unit vector `w` by what the traversal of a segment of this length may be off, so that
-/// a surface it stands on does not hide it. Render space is about one unit large, and so are its largest triangles.
-#[inline]
-fn beside(p: Vec3, w: Vec3, length: f32) -> Vec3 {
-    p + w * (gamma(16) * (1.0 + p.abs().max_element() + length))
 }

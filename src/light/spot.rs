@@ -5,6 +5,7 @@ mod angle_rim;
 use std::f32::consts::PI;
 
 use self::angle_rim::AngleRim;
+use super::DeltaPlace;
 use crate::math::{Frame, Rgb, Vec3};
 use crate::pdf::SolidAnglePdf;
 use crate::planted::{Bug, planted};
@@ -16,8 +17,8 @@ use crate::sampling::warp::direction_from_versine;
 /// Cosines are carried as versines `1 − cosθ = 2 sin²(θ/2)`, which keep their digits in narrow cones.
 #[derive(Clone, Debug)]
 pub struct SpotLight {
-    /// Where, render space.
-    pub position: Vec3,
+    /// Where.
+    pub place: DeltaPlace,
     /// Peak radiant intensity, W·sr⁻¹ in render units.
     pub intensity: Rgb,
     frame: Frame,
@@ -78,7 +79,7 @@ impl SpotLight {
             }
         };
         Self {
-            position,
+            place: DeltaPlace::free(position),
             intensity,
             frame: Frame::from_normal(axis),
             versine_inner: vi as f32,

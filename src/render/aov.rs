@@ -14,7 +14,7 @@ use crate::film::{Channel, Image};
 use crate::geometry::GeometryKind;
 use crate::integrator::path::{camera_ray, dimensions};
 use crate::integrator::{Crop, Settings};
-use crate::light::LightPoint;
+use crate::light::{DeltaPlace, Light, LightPoint};
 use crate::math::{Ray, Rgb, Vec3};
 use crate::sampling::{Coins, Sampler, Stream};
 use crate::scene::Scene;
@@ -252,7 +252,9 @@ impl AovJob<'_> {
                 nearest[i] = distance;
                 ids[i] = hit.point + 1;
                 // As light leaves it in the picture: a surface that the point stands on does not hide it.
-                let end = LightPoint::Delta(point.position).origin((lens.p - point.position).normalize_or_zero());
+                let at = scene.lights.iter().filter_map(Light::place).find(|place| place.p == point.position);
+                let at = LightPoint::Delta(at.copied().unwrap_or(DeltaPlace::free(point.position)));
+                let end = at.origin((lens.p - point.position).normalize_or_zero());
                 visible[i] = scene.visibility(&Ray::segment(lens.p, end), &mut 0);
             }
         }

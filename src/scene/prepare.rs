@@ -18,8 +18,8 @@ use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
 use crate::light::{
-    AreaLight, Cone, DirectionalLight, Emission, Environment, EnvironmentLight, EnvironmentMap, Light, PointLight,
-    Profile, SceneBall, SpotLight,
+    AreaLight, Cone, DeltaPlace, DirectionalLight, Emission, Environment, EnvironmentLight, EnvironmentMap, Light,
+    PointLight, Profile, SceneBall, SpotLight,
 };
 use crate::math::{DAffine3, DVec3, Rgb, Vec3};
 use crate::texture::ToWorld;
@@ -402,7 +402,7 @@ impl Builder {
         let scaled = |c: [f64; 3]| rgb(c.map(|x| x * to_intensity));
         let light = match *material {
             MaterialKind::PointLight { intensity } => {
-                Light::Point(PointLight { position, intensity: scaled(intensity) })
+                Light::Point(PointLight { place: DeltaPlace::free(position), intensity: scaled(intensity) })
             }
             MaterialKind::SpotLight { intensity, inner_angle, outer_angle, profile } => {
                 let axis = (to_render.matrix3 * -DVec3::Z).normalize().as_vec3a();

@@ -42,7 +42,7 @@ impl FullPath {
     pub fn point(&self, i: usize) -> Vec3 {
         match (i, &self.start) {
             (0, LightPoint::Surface(s)) => s.p(),
-            (0, LightPoint::Delta(p)) => *p,
+            (0, LightPoint::Delta(place)) => place.p,
             (0, LightPoint::Infinite(_)) => panic!("a point at infinity is nowhere"),
             (i, _) if i == self.inner.len() + 1 => self.camera,
             (i, _) => self.inner[i - 1].at.p(),
