@@ -9,9 +9,9 @@ use common::{DefaultAccel, Random, prepared, render_once, scene, scene_on, setti
 use serde_json::{Value, json};
 use twinlight::accel::bvh::BvhAccel;
 use twinlight::accel::{Accel, AccelOptions};
-use twinlight::geometry::{Geometry, GeometryKind};
+use twinlight::geometry::{Geometry, GeometryKind, Quadric, QuadricKind};
 use twinlight::integrator::{Integrator, Settings, Technique};
-use twinlight::math::{Ray, Vec3};
+use twinlight::math::{DAffine3, DVec3, Ray, Vec3};
 use twinlight::scene::Scene;
 
 /// Rays from random points of random triangles into the hemisphere above and below: none may meet its triangle.
@@ -72,6 +72,55 @@ fn rays_leave_their_triangles<A: Accel>(random: &mut Random) {
 fn no_ray_meets_the_triangle_it_leaves() {
     rays_leave_their_triangles::<DefaultAccel>(&mut Random(1));
     rays_leave_their_triangles::<BvhAccel>(&mut Random(2));
+}
+
+/// Coordinates of any size: rays from random points of triangles and balls 10^±8 large, and as far from the origin as they are
+/// large, into the side they leave to, never meet what they leave.
+fn rays_leave_at_any_size<A: Accel>(random: &mut Random) {
+    for size in [1e-8, 1e8] {
+        for case in 0..200 {
+            let mut corner = || {
+                let mut x = || ((random.between(-1.0, 1.0) + f64::from(case % 2)) * size) as f32;
+                Vec3::new(x(), x(), x())
+            };
+            let positions = vec![corner(), corner(), corner()];
+            let (center, radius) = (corner().as_dvec3(), size * 0.3);
+            let ball = DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
+            let geometry = Arc::new(Geometry {
+                positions,
+                triangles: vec![[0, 1, 2]],
+                triangle_surface: vec![0],
+                quadrics: vec![Quadric::new(QuadricKind::Sphere, ball, false)],
+                quadric_surface: vec![1],
+                ..Geometry::default()
+            });
+            let accel = A::build(Arc::clone(&geometry), AccelOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+            for _ in 0..100 {
+                let (s, t) = (random.uniform() as f32, random.uniform() as f32);
+                let (u, v) = if s + t < 1.0 { (s, t) } else { (1.0 - s, 1.0 - t) };
+                let at = geometry.triangle_point(0, u, v);
+                let w = random.direction().as_vec3a();
+                let met = accel.intersect(&Ray::new(at.origin(w), w)).map(|hit| hit.geometry);
+                assert!(met != Some(GeometryKind::Triangle), "{}: size {size:e}, triangle {case}", A::NAME);
+                // The ball, met from outside and left to the outside.
+                let toward = random.direction().as_vec3a();
+                let from = (center.as_vec3a() - toward * (3.0 * radius) as f32) + w * (0.2 * radius) as f32;
+                let Some(hit) = accel.intersect(&Ray::new(from, toward)) else { continue };
+                if hit.geometry == GeometryKind::Quadric {
+                    let at = geometry.surface_point(&Ray::new(from, toward), &hit);
+                    let out = if w.dot(at.ng) > 0.0 { w } else { -w };
+                    let met = accel.intersect(&Ray::new(at.origin(out), out)).map(|hit| hit.geometry);
+                    assert!(met != Some(GeometryKind::Quadric), "{}: size {size:e}, ball {case}", A::NAME);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn no_ray_meets_what_it_leaves_whatever_the_size() {
+    rays_leave_at_any_size::<DefaultAccel>(&mut Random(3));
+    rays_leave_at_any_size::<BvhAccel>(&mut Random(4));
 }
 
 /// A triangle with a corner at the scene's centre reflects as much on either accelerator.

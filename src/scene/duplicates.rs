@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::desc::{Param, SceneDesc, ShapeDesc, SurfaceDesc, is_black};
-use crate::math::DVec3;
+use crate::math::{DVec3, Vec3};
 
 /// By surface, whether it is an emitter exactly where an earlier one is, facing the same way.
 ///
@@ -48,6 +48,25 @@ fn place(surface: &SurfaceDesc) -> [u64; 2] {
         surface.flip_normals.hash(&mut h);
         h.finish()
     })
+}
+
+/// The triangles of emitters that there are so far.
+#[derive(Debug, Default)]
+pub(super) struct ShiningTriangles(HashSet<[u64; 2]>);
+
+impl ShiningTriangles {
+    /// Whether a triangle is the first with these corners in this sense of rotation; it is remembered.
+    pub fn insert(&mut self, corners: [Vec3; 3]) -> bool {
+        // The zeros are one place.
+        let [a, b, c] = corners.map(|p| (p + 0.0).to_array().map(f32::to_bits));
+        let first = [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
+        let hash = |salt: u8| {
+            let mut h = DefaultHasher::new();
+            (salt, first).hash(&mut h);
+            h.finish()
+        };
+        self.0.insert([0, 1].map(hash))
+    }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use super::desc::{
     Diagnostic, InfiniteLightDesc, InfiniteLightKind, MaterialKind, Param, Place, SceneDesc, SceneError, ShapeDesc,
     SpotProfile, SurfaceDesc, is_black,
 };
-use super::duplicates::duplicate_emitters;
+use super::duplicates::{ShiningTriangles, duplicate_emitters};
 use super::material::rgb;
 use super::{Details, SceneNeeds, Surface, textures};
 use crate::bsdf::Bsdf;
@@ -178,6 +178,7 @@ struct Builder {
     models: Vec<Surface>,
     details: Details,
     lights: Vec<Light>,
+    shining: ShiningTriangles,
     warnings: Vec<Warning>,
     errors: Vec<Diagnostic>,
 }
@@ -192,6 +193,7 @@ impl Default for Builder {
             models: Vec::new(),
             details: Details::default(),
             lights: Vec::new(),
+            shining: ShiningTriangles::default(),
             warnings: Vec::new(),
             errors: Vec::new(),
         }
@@ -226,14 +228,15 @@ impl Builder {
                     &positions,
                     (&[], &QUAD_UVS),
                     &[[0, 1, 2], [0, 2, 3]],
-                    index,
+                    (index, !dark),
                 );
                 self.triangle_light(triangles, emit, index)
             }
             ShapeDesc::Mesh(mesh) => {
                 let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
                 let attributes = (mesh.normals.as_slice(), mesh.uvs.as_slice());
-                let triangles = self.add_triangles(surface, &to_render, &positions, attributes, &mesh.triangles, index);
+                let triangles =
+                    self.add_triangles(surface, &to_render, &positions, attributes, &mesh.triangles, (index, !dark));
                 self.check_uvs(surface, material.emit, mesh.uvs.is_empty());
                 self.triangle_light(triangles, emit, index)
             }
@@ -302,7 +305,7 @@ impl Builder {
         positions: &[DVec3],
         (normals, uvs): (&[[f32; 3]], &[[f32; 2]]),
         triangles: &[[u32; 3]],
-        index: u32,
+        (index, shines): (u32, bool),
     ) -> Range<u32> {
         let Some(first) = u32::try_from(self.geometry.positions.len() + positions.len())
             .ok()
@@ -329,18 +332,30 @@ impl Builder {
         // A mirroring map turns the winding over but not the side that was meant.
         let flip = surface.flip_normals != (to_render.matrix3.determinant() < 0.0);
         let before = self.geometry.triangles.len() as u32;
+        let mut duplicates = 0;
         for &[a, b, c] in triangles {
             let t = if flip { [a, c, b] } else { [a, b, c] };
             let t = t.map(|i| first + i);
             // By the test of the shading, whose normal has to exist in f32.
             let [a, b, c] = t.map(|i| self.geometry.positions[i as usize]);
             if triangle_area([a, b, c]) > 0.0 && (b - a).cross(c - a).try_normalize().is_some() {
+                // Rays would meet one of the two, and light be sampled on both: see `duplicate_emitters`.
+                if shines && !self.shining.insert([a, b, c]) {
+                    duplicates += 1;
+                    continue;
+                }
                 self.geometry.triangles.push(t);
                 self.geometry.triangle_surface.push(index);
             }
         }
         let kept = before..self.geometry.triangles.len() as u32;
-        let dropped = triangles.len() - kept.len();
+        let dropped = triangles.len() - kept.len() - duplicates;
+        if duplicates > 0 {
+            let plural = if duplicates == 1 { "triangle" } else { "triangles" };
+            let message =
+                format!("{duplicates} {plural} of a light exactly where others are dropped, of {}", triangles.len());
+            self.warn(surface, message);
+        }
         if dropped > 0 {
             let plural = if dropped == 1 { "triangle" } else { "triangles" };
             self.warn(surface, format!("{dropped} {plural} without area dropped, of {}", triangles.len()));

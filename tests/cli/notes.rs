@@ -75,6 +75,14 @@ pub const NOTES: &[Note] = &[
         ..LIT
     },
     Note {
+        what: "A lamp of which a triangle is there twice",
+        text: "{\"camera\": {\"resolution\": 8, \"transform\": {\"translate\": [0, 0, 3]}}, \"surfaces\": [\n  «{\"type\": \"mesh\", \
+               \"material\": {\"type\": \"diffuse light\", \"emit\": 1}, \"positions\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],\n   \
+               \"indices\": [[0, 1, 2], [1, 2, 0]]}]}",
+        messages: &["warning: @: /surfaces/0: 1 triangle of a light exactly where others are dropped, of 2"],
+        ..LIT
+    },
+    Note {
         what: "What is read and ignored, or read as something else",
         text: "{\"camera\": {\"resolution\": 8}, \"background\": 1, \"accelerator\": «{\"type\": \"bvh\"}, \"media\": «[{}],\n  \
                \"integrator\": «\"path_tracer_mis\", \"image_samples\": «4, \"sampler\": {\"type\": «\"halton\", \"samples\": 1}}",

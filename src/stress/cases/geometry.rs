@@ -115,6 +115,46 @@ fn triangles(all: &mut Vec<Case>) {
     let scene = Room::new().with(vec![lamp]).json();
     let what = "the lamp twice: its double is left out";
     all.push(Case::new("duplicate lamp", what, scene, as_room()).closed().within(5e-3));
+    let mut doubled = Room::new().surfaces[LAMP].clone();
+    let corners = [[-0.35, -0.3, 0.0], [0.35, -0.3, 0.0], [0.35, 0.3, 0.0], [-0.35, 0.3, 0.0]];
+    let parts =
+        [("type", json!("mesh")), ("positions", json!(corners)), ("indices", json!([[0, 1, 2], [0, 2, 3], [2, 0, 1]]))];
+    doubled.as_object_mut().expect("a surface").remove("size");
+    parts.into_iter().for_each(|(key, value)| doubled[key] = value);
+    let scene = Room::new().replacing(LAMP, doubled).json();
+    let what = "a lamp of three triangles of which two are one";
+    all.push(Case::new("duplicate triangle", what, scene, as_room()).closed().samples(16).within(0.01));
+    let what = "within a ball of 448 triangles, down to slivers at its poles, that shines and reflects: a furnace";
+    let furnace = Case::new("watertight", what, alone(vec![furnace()], vec![]).json(), Expected::Mean(1.9375));
+    all.push(Case { bounces: 4, ..furnace }.closed().from_camera().within(0.01));
+}
+
+/// A ball of triangles about the camera that faces inwards, emits 1 and reflects half.
+fn furnace() -> Value {
+    let (rings, steps) = (15, 16);
+    let point = |ring: i32, step: i32| {
+        // Most rings crowd at the poles.
+        let latitude = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
+        let latitude = latitude - 0.49 * (2.0 * latitude).sin();
+        let longitude = std::f64::consts::TAU * (f64::from(step) + 0.37 * f64::from(ring)) / f64::from(steps);
+        let ((s, c), (sl, cl)) = (latitude.sin_cos(), longitude.sin_cos());
+        [0.8 * s * cl, 0.8 * c, 0.8 * s * sl]
+    };
+    let mut positions = vec![[0.0, 0.8, 0.0], [0.0, -0.8, 0.0]];
+    positions.extend((1..rings).flat_map(|ring| (0..steps).map(move |step| point(ring, step))));
+    let at = |ring: i32, step: i32| match ring {
+        0 => 0,
+        r if r == rings => 1,
+        r => 2 + (r - 1) * steps + step % steps,
+    };
+    let faces: Vec<[i32; 3]> = (0..rings)
+        .flat_map(|ring| (0..steps).map(move |step| (ring, step)))
+        .flat_map(|(r, s)| [[at(r, s), at(r + 1, s + 1), at(r + 1, s)], [at(r, s), at(r, s + 1), at(r + 1, s + 1)]])
+        .filter(|[a, b, c]| a != b && b != c && c != a)
+        .collect();
+    let material = json!({ "type": "lambertian", "albedo": 0.5, "emit": 1 });
+    // Wound outwards: the side that counts is the inner one.
+    json!({ "type": "mesh", "positions": positions, "indices": faces, "material": material, "flip_normals": true })
 }
 
 /// Multiples of 16 ulps of the wall's coordinate.
