@@ -3,6 +3,7 @@
 //! A room of its own, because two need it that may not see each other: `output`, which reads renders back, and
 //! `import`, which reads textures.
 
+mod layer;
 mod srgb;
 
 use std::collections::BTreeMap;
@@ -19,6 +20,7 @@ use image::codecs::hdr::HdrDecoder;
 use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder};
 
+pub use layer::{layers, read_layer};
 pub use srgb::{srgb_decode, srgb_encode};
 
 /// The largest image that is read or written, in pixels: 3 GB of it in memory.
