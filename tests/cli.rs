@@ -26,6 +26,8 @@ mod failures;
 mod images;
 #[path = "cli/info.rs"]
 mod info;
+#[path = "cli/layers.rs"]
+mod layers;
 #[path = "cli/memory.rs"]
 mod memory;
 #[path = "cli/mistakes.rs"]

@@ -17,6 +17,8 @@ mod good;
 mod json;
 #[path = "input/meshes.rs"]
 mod meshes;
+#[path = "input/planes.rs"]
+mod planes;
 #[path = "input/settings.rs"]
 mod settings;
 #[path = "input/surfaces.rs"]

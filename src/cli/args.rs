@@ -196,9 +196,12 @@ pub struct CompareArgs {
     #[arg(long)]
     pub json: bool,
     /// Write a picture of the signed difference, red where the image is brighter, blue where it is darker: mean over
-    /// 4×4 pixels, relative to the reference, ±10 % at full colour
+    /// 4×4 pixels, relative to the reference, ±10 % at full colour unless --range says otherwise
     #[arg(long, value_name = "FILE.png")]
     pub difference: Option<PathBuf>,
+    /// Percent of the reference that have full colour in the picture of the difference [default: 10]
+    #[arg(long, value_name = "PERCENT", requires = "difference", allow_negative_numbers = true, value_parser = percent)]
+    pub range: Option<f32>,
 }
 
 #[derive(Debug, Args)]
@@ -207,6 +210,9 @@ pub struct ConvertArgs {
     pub input: PathBuf,
     /// Image to write (.exr, .png)
     pub output: PathBuf,
+    /// The layer of an EXR to take, depth say, instead of the picture
+    #[arg(long, value_name = "NAME")]
+    pub layer: Option<String>,
     /// Stops by which a PNG is brightened [default: 0]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
     pub exposure: Option<f32>,
@@ -348,6 +354,14 @@ fn stops(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(stops) if (-100.0..=100.0).contains(&stops) => Ok(stops),
         _ => Err("write it as a number of stops from -100 to 100, for example 1.5".into()),
+    }
+}
+
+/// The range of a picture of differences, in percent.
+fn percent(text: &str) -> Result<f32, String> {
+    match text.trim_end_matches('%').parse() {
+        Ok(x) if (1e-3..=1e6).contains(&x) => Ok(x),
+        _ => Err("write it as a number of percent from 0.001 to 1000000, for example 50".into()),
     }
 }
 

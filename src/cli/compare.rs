@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::json;
 
 use super::args::CompareArgs;
-use super::{Failure, print, same_file, significant, status, tell};
+use super::{Failure, padded, print, same_file, status, tell};
 use crate::compare::{Metrics, metrics};
 use crate::film::Image;
 use crate::output::{self, Format, Metadata, Window};
@@ -31,15 +31,30 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     let mut reference = Placed::read(&args.reference)?;
     // The place is told of the image that is the smaller one.
     let cut = reference.cut_to(&image, &args.image).or_else(|| image.cut_to(&reference, &args.reference));
+    // Where they lie says more than their sizes.
+    let same_size = (image.image.width, image.image.height) == (reference.image.width, reference.image.height);
+    if (image.is_crop() || reference.is_crop()) && !same_size {
+        return Err(Failure::new(
+            status::DATA,
+            format!(
+                "{} shows {}, {} {}: neither holds the other; render or crop them to one window",
+                args.image.display(),
+                image.place(),
+                args.reference.display(),
+                reference.place()
+            ),
+        ));
+    }
     let (image, reference) = (image.image, reference.image);
     let m = metrics(&image, &reference).map_err(|e| Failure::new(status::DATA, e))?;
     let mut notes: Vec<String> = cut.into_iter().chain(notes(args, &image, &reference)).collect();
     if let Some(path) = &args.difference {
-        let picture = difference(&image, &reference);
+        let range = args.range.unwrap_or(FULL_COLOUR);
+        let picture = difference(&image, &reference, range);
         output::write_image(path, &picture, &Metadata::default(), 0.0).map_err(Failure::other)?;
         notes.push(format!(
             "{} shows means over {BLOCK}×{BLOCK} pixels, relative to the reference: red where the image is brighter, \
-             blue where it is darker, ±{FULL_COLOUR} % at full colour",
+             blue where it is darker, ±{range} % at full colour",
             path.display()
         ));
     }
@@ -63,6 +78,17 @@ impl Placed {
         let (image, metadata) = output::read_image_and_metadata(path).map_err(Failure::image)?;
         let whole = Window { full: [image.width, image.height], origin: [0, 0] };
         Ok(Self { image, window: metadata.window.unwrap_or(whole) })
+    }
+
+    fn is_crop(&self) -> bool {
+        self.window.full != [self.image.width, self.image.height]
+    }
+
+    /// What it shows, in words.
+    fn place(&self) -> String {
+        let [[x0, y0], [x1, y1]] = self.ends();
+        let [width, height] = self.window.full;
+        format!("{x0},{y0} to {x1},{y1} of {width} × {height}")
     }
 
     /// Column and row of the first pixel, and those after the last.
@@ -135,7 +161,7 @@ fn to_json(m: &Metrics, notes: &[String]) -> serde_json::Value {
 }
 
 fn to_text(m: &Metrics) -> String {
-    let number = |x: f64, digits| significant(x, digits, -9..9);
+    let number = |x: f64, digits| padded(x, digits, -4..7);
     // Means have to show differences of a hundredth of a percent.
     let triple = |x: [f64; 3]| x.map(|x| number(x, 6)).join(" ");
     format!(
@@ -159,12 +185,12 @@ fn to_text(m: &Metrics) -> String {
 /// Side of the blocks that noise is averaged over, so that structure shows.
 const BLOCK: u32 = 4;
 
-/// Relative difference, in percent, that has full colour.
-const FULL_COLOUR: u32 = 10;
+/// Relative difference, in percent, that has full colour unless the command line says otherwise.
+const FULL_COLOUR: f32 = 10.0;
 
 /// Signed relative difference of block means over all channels: red brighter, blue darker than the reference. 0.01 added
 /// to the reference's sum of channels keeps it finite in the dark.
-fn difference(image: &Image, reference: &Image) -> Image {
+fn difference(image: &Image, reference: &Image, range: f32) -> Image {
     let mut out = Image::new(image.width, image.height);
     for y0 in (0..image.height).step_by(BLOCK as usize) {
         for x0 in (0..image.width).step_by(BLOCK as usize) {
@@ -176,7 +202,7 @@ fn difference(image: &Image, reference: &Image) -> Image {
                     r += reference.get(x, y).iter().sum::<f32>();
                 }
             }
-            let d = 100.0 / FULL_COLOUR as f32 * (a - r) / (r + 0.01 * ((x1 - x0) * (y1 - y0)) as f32);
+            let d = 100.0 / range * (a - r) / (r + 0.01 * ((x1 - x0) * (y1 - y0)) as f32);
             let color = [d.clamp(0.0, 1.0), 0.0, (-d).clamp(0.0, 1.0)];
             for y in y0..y1 {
                 for x in x0..x1 {

@@ -1,7 +1,7 @@
 //! `twinlight convert`.
 
 use super::args::ConvertArgs;
-use super::{Failure, same_file};
+use super::{Failure, same_file, tell};
 use crate::output::{self, Format};
 
 pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
@@ -16,7 +16,16 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
         return Err(Failure::usage(format!("{path}: this is the image to convert; choose another name")));
     }
     // A crop stays one, and what made the image stays known: what a PNG cannot hold, writing one leaves out.
-    let (image, metadata) = output::read_image_and_metadata(&args.input).map_err(Failure::image)?;
-    let exposure = args.exposure.unwrap_or(0.0);
-    output::write_image(&args.output, &image, &metadata, exposure).map_err(Failure::other)
+    let read = match &args.layer {
+        Some(layer) => output::read_layer_and_metadata(&args.input, layer),
+        None => output::read_image_and_metadata(&args.input),
+    };
+    let (image, metadata) = read.map_err(Failure::image)?;
+    output::write_image(&args.output, &image, &metadata, args.exposure.unwrap_or(0.0)).map_err(Failure::other)?;
+    let left_out = if args.layer.is_none() { output::layers(&args.input) } else { Vec::new() };
+    if !left_out.is_empty() {
+        let input = args.input.display();
+        tell(&format!("note: of {input} the layers {} are left out: --layer NAME takes one\n", left_out.join(", ")));
+    }
+    Ok(())
 }

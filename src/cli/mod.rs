@@ -117,6 +117,13 @@ fn figures(x: f64) -> String {
 /// A number to so many significant digits, without zeros that say nothing; as a power of ten where its size is none of
 /// `plain`.
 fn significant(x: f64, digits: i32, plain: std::ops::Range<i32>) -> String {
+    let text = padded(x, digits, plain);
+    let stripped = text.contains('.') && !text.contains('e');
+    if stripped { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// `significant` with all its zeros, so that numbers below each other are as exact as each other.
+fn padded(x: f64, digits: i32, plain: std::ops::Range<i32>) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{}", x + 0.0); // −0 is 0.
     }
@@ -124,8 +131,7 @@ fn significant(x: f64, digits: i32, plain: std::ops::Range<i32>) -> String {
     if !plain.contains(&power) {
         return format!("{x:.*e}", digits as usize - 1);
     }
-    let text = format!("{x:.*}", (digits - 1 - power).max(0) as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    format!("{x:.*}", (digits - 1 - power).max(0) as usize)
 }
 
 /// Whether two paths lead to one file, which need not be there yet.

@@ -4,6 +4,7 @@
 //! `import`, which reads textures.
 
 mod guard;
+mod layer;
 mod open;
 mod srgb;
 
@@ -22,6 +23,7 @@ use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder};
 
 pub use guard::in_decoder;
+pub use layer::{layers, read_layer};
 pub use open::{OpenError, open_regular};
 pub use srgb::{srgb_decode, srgb_encode};
 

@@ -36,9 +36,32 @@ pub fn read_image(path: &Path) -> Result<Image, OutputError> {
 pub fn read_image_and_metadata(path: &Path) -> Result<(Image, Metadata), OutputError> {
     let decoded = decode::read(path, ColorSpace::OfFile)
         .map_err(|e| OutputError { bad_content: e.bad_content, ..OutputError::new("read", path, e.why) })?;
+    Ok(image_of(decoded))
+}
+
+/// Reads a layer of an EXR as [`decode::read_layer`] does, and its metadata as `read_image_and_metadata` does.
+///
+/// # Errors
+/// As there, and when no layer has this name.
+pub fn read_layer_and_metadata(path: &Path, layer: &str) -> Result<(Image, Metadata), OutputError> {
+    // What is wrong with the file itself is told as without a layer.
+    match format_of_content(path) {
+        Some(Format::Exr) => {}
+        Some(_) => {
+            let error = OutputError::new("read", path, "it has no layers: it is no EXR; leave out --layer");
+            return Err(OutputError { bad_content: true, ..error });
+        }
+        None => return read_image_and_metadata(path),
+    }
+    let decoded = decode::read_layer(path, layer)
+        .map_err(|why| OutputError { bad_content: true, ..OutputError::new("read", path, why) })?;
+    Ok(image_of(decoded))
+}
+
+fn image_of(decoded: decode::Decoded) -> (Image, Metadata) {
     let decode::Decoded { width, height, rgb, about, .. } = decoded;
     let own = |(name, _): &(String, String)| name.starts_with(OWN) && name.len() <= LONGEST_NAME;
     let attributes = about.texts.into_iter().filter(own).collect();
     let metadata = Metadata { attributes, pixel_aspect: about.pixel_aspect, window: about.window };
-    Ok((Image { width, height, rgb }, metadata))
+    (Image { width, height, rgb }, metadata)
 }

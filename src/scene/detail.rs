@@ -101,26 +101,30 @@ impl Details {
 
     /// Whether a texture over texture coordinates, or a map that follows them, is used on a surface.
     pub fn follows_uv(&self, material: usize, finish: &FinishDesc) -> bool {
-        let by_uv = |i: usize| self.textures[i].needs_uv();
-        let opacity = matches!(finish.opacity, Param::Texture(i) if by_uv(i));
-        opacity
-            || finish.normal_map.is_some()
-            || finish.bump_map.is_some_and(by_uv)
-            || self.material_follows_uv(material)
+        finish.normal_map.is_some() || self.uses(material, finish, &Texture::needs_uv)
     }
 
-    fn material_follows_uv(&self, material: usize) -> bool {
+    /// Whether a texture of some kind is used on a surface, but for its emission.
+    pub fn uses(&self, material: usize, finish: &FinishDesc, kind: &dyn Fn(&Texture) -> bool) -> bool {
+        let is_one = |i: usize| kind(&self.textures[i]);
+        matches!(finish.opacity, Param::Texture(i) if is_one(i))
+            || finish.normal_map.is_some_and(is_one)
+            || finish.bump_map.is_some_and(is_one)
+            || self.material_uses(material, kind)
+    }
+
+    fn material_uses(&self, material: usize, kind: &dyn Fn(&Texture) -> bool) -> bool {
         match &self.materials[material] {
             Material::Fixed(_) => false,
-            Material::Varying(kind) => {
+            Material::Varying(model) => {
                 let everywhere = Everywhere::new(&self.textures);
-                material::bsdf(kind, &everywhere);
-                everywhere.asked().iter().any(|&i| self.textures[i].needs_uv())
+                material::bsdf(model, &everywhere);
+                everywhere.asked().iter().any(|&i| kind(&self.textures[i]))
             }
             Material::Blend { a, b, amount } => {
-                matches!(amount, Param::Texture(i) if self.textures[*i].needs_uv())
-                    || self.material_follows_uv(*a)
-                    || self.material_follows_uv(*b)
+                matches!(amount, Param::Texture(i) if kind(&self.textures[*i]))
+                    || self.material_uses(*a, kind)
+                    || self.material_uses(*b, kind)
             }
         }
     }

@@ -4,6 +4,7 @@ mod cameras;
 pub mod desc;
 mod detail;
 mod duplicates;
+mod flat;
 mod material;
 mod memory;
 mod needs;

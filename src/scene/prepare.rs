@@ -13,7 +13,7 @@ use super::desc::{
 };
 use super::duplicates::{ShiningTriangles, duplicate_emitters};
 use super::material::rgb;
-use super::{Details, SceneNeeds, Surface, textures};
+use super::{Details, SceneNeeds, Surface, flat, textures};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
@@ -22,7 +22,7 @@ use crate::light::{
     PointLight, Profile, SceneBall, SpotLight,
 };
 use crate::math::{DAffine3, DVec3, Rgb, Vec3};
-use crate::texture::ToWorld;
+use crate::texture::{Texture, ToWorld};
 
 /// A scene in render space, before its acceleration structure.
 #[derive(Debug)]
@@ -262,6 +262,7 @@ impl Builder {
             self.lights.push(l);
             self.lights.len() as u32 - 1
         });
+        self.warn_of_even_planes(surface, material.emit);
         let detail = self.details.add(surface.material, surface.finish);
         let models = self.details.models(surface.material);
         self.surfaces.push(Surface { bsdf: models[0], light, detail });
@@ -284,6 +285,31 @@ impl Builder {
                           (`vt` in OBJ, `u` and `v` in PLY, \"uvs\" inline), or use a checker or marble texture"
                     .into(),
             });
+        }
+    }
+
+    /// A checker in one of its own planes, z = 0 say, shows one colour: by its definition, and to anyone's surprise.
+    fn warn_of_even_planes(&mut self, surface: &SurfaceDesc, emit: Param<[f64; 3]>) {
+        let by_position = |t: &Texture| matches!(t, Texture::Checker(_) | Texture::Marble(_));
+        let uses = |builder: &Self, kind: &dyn Fn(&Texture) -> bool| {
+            let emit = matches!(emit, Param::Texture(i) if kind(builder.details.texture(i)));
+            emit || builder.details.uses(surface.material, &surface.finish, kind)
+        };
+        // Most surfaces have none, and their points need not be looked at.
+        if !uses(self, &by_position) {
+            return;
+        }
+        let error = flat::error(self.scale);
+        for (axis, place) in flat::planes(surface, error) {
+            if uses(self, &|t| t.is_even_in_plane(axis, place, error)) {
+                let axis = ["x", "y", "z"][axis];
+                let message = format!(
+                    "the surface lies in the plane {axis} = {}, where a sine of its checker is zero: all of it is \"even\"; \
+                     move it along {axis}, by half a cell (π/2 over the checker's scale) say",
+                    place + 0.0 // −0 is 0.
+                );
+                self.warn(surface, message);
+            }
         }
     }
 

@@ -68,6 +68,10 @@ impl Checker {
         let (p, error, normal) = (p.to_array(), (error + rounding).to_array(), at.ng.abs().to_array());
         let mut odd = false;
         for axis in 0..3 {
+            // Zero everywhere, and the product with it.
+            if self.scale[axis] == 0.0 {
+                return false;
+            }
             let sin = p[axis].sin();
             let in_plane = normal[(axis + 1) % 3] + normal[(axis + 2) % 3] <= ALONG_AXIS;
             // |sin(x) − sin(y)| ≤ |x − y|.
@@ -146,6 +150,22 @@ impl Texture {
             Self::Checker(c) => c.even.needs_uv() || c.odd.needs_uv(),
             Self::Marble(m) => m.base.needs_uv() || m.veins.needs_uv(),
             Self::Image(_) => true,
+        }
+    }
+
+    /// Whether some checker in it is all `even` over the plane where a coordinate of the world has a value, known to an
+    /// error: one of its sines is zero there.
+    pub fn is_even_in_plane(&self, axis: usize, value: f64, error: f64) -> bool {
+        match self {
+            Self::Constant(_) | Self::Image(_) => false,
+            Self::Checker(c) => {
+                (c.scale[axis] * value).sin().abs() <= c.scale[axis].abs() * error
+                    || c.even.is_even_in_plane(axis, value, error)
+                    || c.odd.is_even_in_plane(axis, value, error)
+            }
+            Self::Marble(m) => {
+                m.base.is_even_in_plane(axis, value, error) || m.veins.is_even_in_plane(axis, value, error)
+            }
         }
     }
 

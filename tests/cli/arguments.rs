@@ -443,6 +443,25 @@ pub const COMMANDS: &[Arguments] = &[
         message: "twinlight: a.png: this is an image to compare; choose another name",
     },
     Arguments {
+        what: "A range of no difference",
+        arguments: "compare a.exr a.exr --difference old.png --range 0",
+        status: 2,
+        message: "error: invalid value '0' for '--range <PERCENT>': write it as a number of percent from 0.001 to 1000000, for \
+                  example 50",
+    },
+    Arguments {
+        what: "A layer that is not there",
+        arguments: "convert a.exr old.png --layer depth",
+        status: 65,
+        message: "twinlight: cannot read `a.exr`: no layer is named \"depth\"; it has none",
+    },
+    Arguments {
+        what: "A layer of what has none",
+        arguments: "convert a.png old.png --layer depth",
+        status: 65,
+        message: "twinlight: cannot read `a.png`: it has no layers: it is no EXR; leave out --layer",
+    },
+    Arguments {
         what: "An image that is not there",
         arguments: "convert none.exr old.png",
         status: 1,

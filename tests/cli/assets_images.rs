@@ -129,7 +129,6 @@ pub const IMAGES: &[Asset] = &[
         content: Content::Bytes("an EXR of 2 × 2 pixels, the last of them [0.5, 1.25, 0.5]", || exr(1.25)),
         message: ": the texel in column 1, row 1 (from the top left), [0.5, 1.25, 0.5], is out of range; allowed: 0 to 1",
         user: Some(", used by scene.json:1:72: /materials/0/albedo"),
-        ..ASSET
     },
     Asset {
         what: "A texel that is not finite",

@@ -83,6 +83,17 @@ pub const NOTES: &[Note] = &[
         ..LIT
     },
     Note {
+        what: "A checker in one of its own planes",
+        text: "{\"camera\": {\"resolution\": 8, \"transform\": {\"translate\": [0, 0, 1]}}, \"background\": 1, \"surfaces\": [\n  \
+               «{\"type\": \"quad\", \"size\": 9, \"material\": {\"type\": \"lambertian\",\n   \"albedo\": {\"type\": \"checker\", \
+               \"even\": 0.8, \"odd\": 0.2}}}]}",
+        messages: &[
+            "warning: @: /surfaces/0: the surface lies in the plane z = 0, where a sine of its checker is zero: all of it is \
+             \"even\"; move it along z, by half a cell (π/2 over the checker's scale) say",
+        ],
+        ..LIT
+    },
+    Note {
         what: "What is read and ignored, or read as something else",
         text: "{\"camera\": {\"resolution\": 8}, \"background\": 1, \"accelerator\": «{\"type\": \"bvh\"}, \"media\": «[{}],\n  \
                \"integrator\": «\"path_tracer_mis\", \"image_samples\": «4, \"sampler\": {\"type\": «\"halton\", \"samples\": 1}}",

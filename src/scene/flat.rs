@@ -1,0 +1,37 @@
+//! Surfaces that lie in a plane across an axis of the world, where a checker may be of one colour.
+
+use super::desc::{ShapeDesc, SurfaceDesc};
+use crate::math::DVec3;
+
+/// The share of the scene's size to which f32 surely knows a point.
+const KNOWN: f64 = 1e-7;
+
+/// The error to which points are known in a scene of this scale, world units.
+pub(super) fn error(scale: f64) -> f64 {
+    KNOWN / scale
+}
+
+/// The axes across which a surface lies flat, to an error, each with its place there; world units.
+pub(super) fn planes(surface: &SurfaceDesc, error: f64) -> Vec<(usize, f64)> {
+    let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut grow = |p: DVec3| {
+        let p = surface.transform.transform_point3(p);
+        (lo, hi) = (lo.min(p), hi.max(p));
+    };
+    match &surface.shape {
+        ShapeDesc::Quad { size: [w, h] } => {
+            for (x, y) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)] {
+                grow(DVec3::new(x * w, y * h, 0.0));
+            }
+        }
+        ShapeDesc::Disk { radius } => {
+            for axis in [DVec3::X, DVec3::Y] {
+                grow(axis * *radius);
+                grow(axis * -*radius);
+            }
+        }
+        ShapeDesc::Mesh(mesh) => mesh.positions.iter().for_each(|p| grow(DVec3::from(p.map(f64::from)))),
+        ShapeDesc::Sphere { .. } | ShapeDesc::DeltaPoint => return Vec::new(),
+    }
+    (0..3).filter(|&axis| hi[axis] - lo[axis] <= error).map(|axis| (axis, 0.5 * (lo[axis] + hi[axis]))).collect()
+}
