@@ -143,7 +143,8 @@ pub fn audit<A: Accel>(scene: &Scene<A>, closed: bool, walks: u32) -> Audit {
         let mut left: Option<(GeometryKind, u32)> = None;
         for _ in 0..STEPS {
             audit.rays += 1;
-            let arrival = match scene.follow(ray, &mut coins, &mut 0, &mut varying) {
+            let mut parts = 0;
+            let arrival = match scene.follow(ray, &mut coins, &mut parts, &mut varying) {
                 Reached::Surface(arrival) => arrival,
                 Reached::Infinity { .. } => {
                     audit.escapes += u64::from(closed);
@@ -152,7 +153,8 @@ pub fn audit<A: Accel>(scene: &Scene<A>, closed: bool, walks: u32) -> Audit {
             };
             let at = &arrival.at;
             let here = (arrival.geometry, at.primitive());
-            audit.self_hits += u64::from(left == Some(here));
+            // What passes a window or a hole starts anew there: from a place that is known as well as that surface is large.
+            audit.self_hits += u64::from(left == Some(here) && parts == 1);
             let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
             let Some(next) = arrival.bsdf.sample(at, -ray.d, lobe, u, Transport::Radiance) else { break };
             // A ball can be met again from inside.
