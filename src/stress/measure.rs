@@ -90,10 +90,10 @@ pub fn measure<A: Accel>(scene: &Scene<A>, settings: Settings, samples: u32, see
 }
 
 /// How far from 1 the weights of a path may sum.
-const WEIGHTS: f64 = 1e-4;
+pub const WEIGHTS: f64 = 1e-4;
 
 /// How far a weight may be off by itself: by what lobes of 10⁻⁴ make of a direction's rounding.
-const WEIGHT: f64 = 2e-2;
+pub const WEIGHT: f64 = 2e-2;
 
 /// Judges the weights of `bdpt` on `paths` random paths by their densities multiplied out.
 pub fn weights<A: Accel>(scene: &Scene<A>, settings: Settings, paths: u32) -> Seen {
@@ -101,11 +101,11 @@ pub fn weights<A: Accel>(scene: &Scene<A>, settings: Settings, paths: u32) -> Se
     (0..paths).into_par_iter().map(|index| Seen::path(&judge, index)).reduce(Seen::default, Seen::merge)
 }
 
-/// What is wrong with the weights; empty when nothing is.
-pub fn faults_of_weights(seen: &Seen) -> Vec<String> {
+/// What is wrong with the weights, whose sums may be `sum` from 1; empty when nothing is.
+pub fn faults_of_weights(seen: &Seen, sum: f64) -> Vec<String> {
     let mut faults = Vec::new();
     // A NaN is a fault.
-    if !(seen.worst_sum <= WEIGHTS && seen.worst_weight <= WEIGHT) {
+    if !(seen.worst_sum <= sum && seen.worst_weight <= WEIGHT) {
         let (sum, weight) = (seen.worst_sum, seen.worst_weight);
         faults.push(format!("Σw − 1 up to {sum:.1e}, a weight off by {weight:.1e}"));
     }
