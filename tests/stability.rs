@@ -323,3 +323,37 @@ fn the_back_of_a_light_is_dark() {
         assert_eq!(mean(1.0), [0.0; 3], "{integrator:?}: the back shines");
     }
 }
+
+#[test]
+#[ignore = "measurement"]
+fn zz_needles() {
+    fn run<A: Accel>(random: &mut Random) {
+        for aspect in [0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4, 1e-5] {
+            let (mut rays, mut own, mut tri) = (0, 0, 0);
+            for _ in 0..200 {
+                let mut corner = |s: f64| {
+                    let mut x = || (random.between(-1.0, 1.0) * s) as f32;
+                    Vec3::new(x(), x(), x())
+                };
+                let (a, b) = (corner(1.0), corner(1.0));
+                let c = a + (b - a) * 0.9 + corner(aspect);
+                let geometry = Arc::new(Geometry { positions: vec![a, b, c], triangles: vec![[0, 1, 2]], triangle_surface: vec![0], ..Geometry::default() });
+                if (b - a).cross(c - a).try_normalize().is_none() { continue; }
+                let accel = A::build(Arc::clone(&geometry), AccelOptions::default()).unwrap();
+                let mut bad = false;
+                for _ in 0..200 {
+                    let (s, t) = (random.uniform() as f32, random.uniform() as f32);
+                    let (u, v) = if s + t < 1.0 { (s, t) } else { (1.0 - s, 1.0 - t) };
+                    let at = geometry.triangle_point(0, u, v);
+                    let w = random.direction().as_vec3a();
+                    rays += 1;
+                    if accel.intersect(&Ray::new(at.origin(w), w)).is_some() { own += 1; bad = true; }
+                }
+                tri += u32::from(bad);
+            }
+            println!("{} aspect {aspect:e}: {own} of {rays} meet their own, {tri} of 200 triangles", A::NAME);
+        }
+    }
+    run::<DefaultAccel>(&mut Random(7));
+    run::<BvhAccel>(&mut Random(7));
+}

@@ -90,7 +90,7 @@ pub fn measure<A: Accel>(scene: &Scene<A>, settings: Settings, samples: u32, see
 }
 
 /// How far from 1 the weights of a path may sum.
-const WEIGHTS: f64 = 1e-4;
+pub const WEIGHTS: f64 = 1e-4;
 
 /// How far a weight may be off by itself, where that is more than 10⁻⁴: over what rounding the path's points does to its
 /// densities, which the power heuristic squares.
@@ -102,14 +102,14 @@ pub fn weights<A: Accel>(scene: &Scene<A>, settings: Settings, paths: u32) -> Se
     (0..paths).into_par_iter().map(|index| Seen::path(&judge, index)).reduce(Seen::default, Seen::merge)
 }
 
-/// What is wrong with the weights; empty when nothing is.
-pub fn faults_of_weights(seen: &Seen) -> Vec<String> {
+/// What is wrong with the weights, whose sums may be `sum` from 1; empty when nothing is.
+pub fn faults_of_weights(seen: &Seen, sum: f64) -> Vec<String> {
     let mut faults = Vec::new();
     // A NaN is a fault.
-    let (sum, weight, over) = (seen.worst_sum, seen.worst_weight, seen.worst_weight_over_condition);
-    if !(sum <= WEIGHTS && over <= WEIGHT) {
+    let (off, weight, over) = (seen.worst_sum, seen.worst_weight, seen.worst_weight_over_condition);
+    if !(off <= sum && over <= WEIGHT) {
         faults.push(format!(
-            "Σw − 1 up to {sum:.1e}, a weight off by {weight:.1e}, {over:.1} times what rounding explains"
+            "Σw − 1 up to {off:.1e}, a weight off by {weight:.1e}, {over:.1} times what rounding explains"
         ));
     }
     if let Some(fault) = seen.failure.as_ref().filter(|f| f.starts_with("the choice") || f.starts_with("densities")) {
@@ -146,7 +146,8 @@ pub fn audit<A: Accel>(scene: &Scene<A>, closed: bool, walks: u32) -> Audit {
         let mut left: Option<(GeometryKind, u32)> = None;
         for _ in 0..STEPS {
             audit.rays += 1;
-            let arrival = match scene.follow(ray, &mut coins, &mut 0, &mut varying) {
+            let mut parts = 0;
+            let arrival = match scene.follow(ray, &mut coins, &mut parts, &mut varying) {
                 Reached::Surface(arrival) => arrival,
                 Reached::Infinity { .. } => {
                     audit.escapes += u64::from(closed);
@@ -155,7 +156,8 @@ pub fn audit<A: Accel>(scene: &Scene<A>, closed: bool, walks: u32) -> Audit {
             };
             let at = &arrival.at;
             let here = (arrival.geometry, at.primitive());
-            audit.self_hits += u64::from(left == Some(here));
+            // What passes a window or a hole starts anew there: from a place that is known as well as that surface is large.
+            audit.self_hits += u64::from(left == Some(here) && parts == 1);
             let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
             let Some(next) = arrival.bsdf.sample(at, -ray.d, lobe, u, Transport::Radiance) else { break };
             // A ball can be met again from inside.

@@ -12,7 +12,7 @@ mod report;
 
 pub use case::{Case, Expected};
 pub use cases::cases;
-pub use measure::{Audit, Measured, Run, audit, faults_of_weights, measure, weights};
+pub use measure::{Audit, Measured, Run, WEIGHTS, audit, faults_of_weights, measure, weights};
 pub use precision::{Precision, precision};
 pub use report::{HEADING, Report, Row};
 
@@ -151,7 +151,7 @@ impl Row {
         if seen.paths > 0 {
             self.weights = Some(seen.worst_sum);
         }
-        self.faults.extend(faults_of_weights(&seen));
+        self.faults.extend(faults_of_weights(&seen, WEIGHTS));
     }
 
     /// Judges the differences of renders with equal seeds from what is expected.

@@ -135,3 +135,13 @@ fn a_nan_is_the_worst_of_all() {
     }
     assert_eq!([0.1, 0.5, 0.2].map(seen).into_iter().reduce(Seen::merge).unwrap().worst_sum, 0.5);
 }
+
+#[test]
+fn subpaths_that_are_not_traced_are_not_connected_to() {
+    let scene = scene(PINHOLE);
+    for (light_paths, connections) in [(0, 1), (1, 3)] {
+        let judge = Judge::new(&scene, Settings { light_paths, connections, ..Settings::default() });
+        let seen = (0..50_000).into_par_iter().map(|i| Seen::path(&judge, i)).reduce(Seen::default, Seen::merge);
+        assert!(seen.paths > 1000 && seen.failure.is_none(), "{seen:?}");
+    }
+}

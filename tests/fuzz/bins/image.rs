@@ -1,0 +1,8 @@
+//! libFuzzer's entry to `targets::image`.
+#![no_main]
+
+mod hook;
+#[path = "../targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(init: hook::set(), |bytes: &[u8]| targets::image(bytes));
