@@ -9,7 +9,7 @@ use common::{DefaultAccel, Random, prepared, render_once, scene, scene_on, setti
 use serde_json::{Value, json};
 use twinlight::accel::bvh::BvhAccel;
 use twinlight::accel::{Accel, AccelOptions};
-use twinlight::geometry::{Geometry, GeometryKind, Quadric, QuadricKind};
+use twinlight::geometry::{Geometry, GeometryKind, Quadric, QuadricKind, is_sliver};
 use twinlight::integrator::{Integrator, Settings, Technique};
 use twinlight::math::{DAffine3, DVec3, Ray, Vec3};
 use twinlight::scene::Scene;
@@ -324,36 +324,120 @@ fn the_back_of_a_light_is_dark() {
     }
 }
 
-#[test]
-#[ignore = "measurement"]
-fn zz_needles() {
-    fn run<A: Accel>(random: &mut Random) {
-        for aspect in [0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4, 1e-5] {
-            let (mut rays, mut own, mut tri) = (0, 0, 0);
-            for _ in 0..200 {
-                let mut corner = |s: f64| {
-                    let mut x = || (random.between(-1.0, 1.0) * s) as f32;
-                    Vec3::new(x(), x(), x())
-                };
-                let (a, b) = (corner(1.0), corner(1.0));
-                let c = a + (b - a) * 0.9 + corner(aspect);
-                let geometry = Arc::new(Geometry { positions: vec![a, b, c], triangles: vec![[0, 1, 2]], triangle_surface: vec![0], ..Geometry::default() });
-                if (b - a).cross(c - a).try_normalize().is_none() { continue; }
-                let accel = A::build(Arc::clone(&geometry), AccelOptions::default()).unwrap();
-                let mut bad = false;
-                for _ in 0..200 {
-                    let (s, t) = (random.uniform() as f32, random.uniform() as f32);
-                    let (u, v) = if s + t < 1.0 { (s, t) } else { (1.0 - s, 1.0 - t) };
-                    let at = geometry.triangle_point(0, u, v);
-                    let w = random.direction().as_vec3a();
-                    rays += 1;
-                    if accel.intersect(&Ray::new(at.origin(w), w)).is_some() { own += 1; bad = true; }
-                }
-                tri += u32::from(bad);
+/// Thin triangles, of any thinness and direction: rays that leave them do not meet them again, and segments that end on them do
+/// not meet them either.
+fn rays_leave_needles<A: Accel>(random: &mut Random) {
+    for height in [0.1, 0.06, 0.03, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6] {
+        let mut rays = 0;
+        for case in 0..300 {
+            let mut corner = |s: f64| {
+                let mut x = || (random.between(-1.0, 1.0) * s) as f32;
+                Vec3::new(x(), x(), x())
+            };
+            let (a, b) = (corner(1.0), corner(1.0));
+            let c = a + (b - a) * 0.9 + corner(height);
+            if (b - a).cross(c - a).try_normalize().is_none() {
+                continue;
             }
-            println!("{} aspect {aspect:e}: {own} of {rays} meet their own, {tri} of 200 triangles", A::NAME);
+            let geometry = Arc::new(Geometry {
+                positions: vec![a, b, c],
+                triangles: vec![[0, 1, 2]],
+                triangle_surface: vec![0],
+                slivers: is_sliver([a, b, c]),
+                // Partly opaque ones go another way.
+                cut_outs: vec![case % 3 == 0],
+                ..Geometry::default()
+            });
+            let accel = A::build(Arc::clone(&geometry), AccelOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+            for _ in 0..200 {
+                let (s, t) = (random.uniform() as f32, random.uniform() as f32);
+                let (u, v) = if s + t < 1.0 { (s, t) } else { (1.0 - s, 1.0 - t) };
+                let at = geometry.triangle_point(0, u, v);
+                let w = random.direction().as_vec3a();
+                let case = format!("{}: {a} {b} {c} at ({u}, {v}) toward {w}", A::NAME);
+                let met = accel.intersect(&Ray::new(at.origin(w), w));
+                assert!(met.is_none(), "{case}: {met:?}");
+                let from = at.p() + w * 0.5;
+                let segment = Ray::segment(from, at.segment_end(from));
+                assert!(
+                    !accel.occluded(&segment) && accel.intersect(&segment).is_none(),
+                    "{case}: hides its own point"
+                );
+                // It is there all the same: seen from off its plane, in the middle.
+                let middle = geometry.triangle_point(0, 1.0 / 3.0, 1.0 / 3.0);
+                let eye = middle.p() + (w + middle.ng * (2.0 * w.dot(middle.ng).signum())).normalize() * 0.3;
+                if height >= 1e-5 {
+                    let met = accel.intersect(&Ray::new(eye, middle.p() - eye)).expect("the middle is seen");
+                    assert_eq!((met.geometry, met.primitive), (GeometryKind::Triangle, 0));
+                    assert!((met.t - 1.0).abs() < 1e-5, "{case}: {met:?}");
+                }
+                rays += 1;
+            }
+        }
+        assert!(rays > 10_000, "{height}: {rays}");
+    }
+}
+
+#[test]
+fn no_ray_meets_the_needle_it_leaves() {
+    rays_leave_needles::<DefaultAccel>(&mut Random(7));
+    rays_leave_needles::<BvhAccel>(&mut Random(7));
+}
+
+/// A ball of triangles whose rings crowd at the poles, where they are slivers, seen from inside.
+fn ball_with_slivers() -> Value {
+    let (rings, steps) = (21, 24);
+    let mut positions = vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
+    for (ring, step) in (1..rings).flat_map(|ring| (0..steps).map(move |step| (ring, step))) {
+        let latitude = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
+        let latitude = latitude - 0.4999 * (2.0 * latitude).sin();
+        let longitude = std::f64::consts::TAU * (f64::from(step) + 0.37 * f64::from(ring)) / f64::from(steps);
+        positions.push([latitude.sin() * longitude.cos(), latitude.cos(), latitude.sin() * longitude.sin()]);
+    }
+    let at = |ring: i32, step: i32| match ring {
+        0 => 0,
+        r if r == rings => 1,
+        r => 2 + (r - 1) * steps + step % steps,
+    };
+    let faces: Vec<[i32; 3]> = (0..rings)
+        .flat_map(|ring| (0..steps).map(move |step| (ring, step)))
+        .flat_map(|(r, s)| [[at(r, s), at(r + 1, s + 1), at(r + 1, s)], [at(r, s), at(r, s + 1), at(r + 1, s + 1)]])
+        .filter(|[a, b, c]| a != b && b != c && c != a)
+        .collect();
+    json!({
+        "camera": {"resolution": 4},
+        "surfaces": [{"type": "mesh", "positions": positions, "indices": faces, "flip_normals": true,
+                      "material": {"type": "lambertian", "albedo": 0.5, "emit": 1},
+                      "transform": {"rotate": [33, 0.3, 0.7, -0.2]}}]
+    })
+}
+
+/// From inside, no ray gets out along edges, between slivers and others.
+fn nothing_gets_out<A: Accel>(random: &mut Random) {
+    let scene: Scene<A> = scene_on(&ball_with_slivers(), AccelOptions::default());
+    let geometry = &scene.geometry;
+    let thin = (0..geometry.triangles.len() as u32).filter(|&i| is_sliver(geometry.corners(i))).count();
+    assert!(geometry.slivers && thin > 40 && thin < geometry.triangles.len() / 2, "{thin}");
+    let (mut rays, mut out) = (0, 0);
+    for triangle in 0..geometry.triangles.len() as u32 {
+        let corners = geometry.corners(triangle);
+        for i in 0..3 {
+            let (a, b) = (corners[i], corners[(i + 1) % 3]);
+            for k in 0..100 {
+                // Of rays aimed at a vertex exactly, Embree lets a thousandth through, slivers or not.
+                let target = if k == 0 && A::NAME == "bvh" { a } else { a + (b - a) * random.uniform() as f32 };
+                let from = random.direction().as_vec3a() * (0.5 * random.uniform()) as f32;
+                rays += 1;
+                out += u32::from(scene.accel.intersect(&Ray::new(from, target - from)).is_none());
+            }
         }
     }
-    run::<DefaultAccel>(&mut Random(7));
-    run::<BvhAccel>(&mut Random(7));
+    assert!(rays > 100_000);
+    assert_eq!(out, 0, "{}: {out} of {rays} rays get out", A::NAME);
+}
+
+#[test]
+fn no_ray_gets_out_between_slivers() {
+    nothing_gets_out::<DefaultAccel>(&mut Random(8));
+    nothing_gets_out::<BvhAccel>(&mut Random(9));
 }

@@ -31,6 +31,8 @@ pub struct Geometry {
     pub triangles: Vec<[u32; 3]>,
     /// The surface (index into the scene's surfaces) of each triangle.
     pub triangle_surface: Vec<u32>,
+    /// Whether some triangles are slivers (`is_sliver`), for which more care is taken.
+    pub slivers: bool,
     /// Exact spheres and disks.
     pub quadrics: Vec<Quadric>,
     /// The surface of each quadric.
@@ -94,8 +96,31 @@ impl Geometry {
     }
 }
 
+/// Triangles less high than this, over their longest side, are slivers.
+const THIN: f64 = 0.05;
+
+/// Whether a triangle is so thin that the f32 product of its edges, nearly parallel, gives its plane a tilt that rays notice: by
+/// about ε · length/height. Those without an area are met by nothing anyway.
+pub fn is_sliver(corners: [Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    (b - a).cross(c - a).length() < THIN * longest
+}
+
 /// Area of a triangle, summed in f64 from f64 edge differences.
 pub fn triangle_area(corners: [Vec3; 3]) -> f64 {
     let [a, b, c] = corners.map(|p| p.as_dvec3());
     0.5 * (b - a).cross(c - a).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_thin_is_told() {
+        let triangle = |height: f32| [Vec3::ZERO, Vec3::X * 3.0, Vec3::new(1.0, 3.0 * height, 0.0)];
+        assert!([0.04, 1e-6, 0.0].into_iter().all(|height| is_sliver(triangle(height))));
+        assert!([0.06, 1.0].into_iter().all(|height| !is_sliver(triangle(height))));
+    }
 }

@@ -106,6 +106,12 @@ const TRIANGLE_ROUNDINGS: u32 = 16;
 /// A quadric's point is computed in f64 and rounded once; the traversal transforms in f64 as well.
 const QUADRIC_ROUNDINGS: u32 = 3;
 
+/// A triangle's unit normal, its edges' product in f64: of a thin triangle's, nearly parallel, f32 would leave few digits.
+fn exact_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+    let [a, b, c] = [a, b, c].map(|p| p.as_dvec3());
+    (b - a).cross(c - a).normalize_or_zero().as_vec3a()
+}
+
 impl Geometry {
     /// The point a ray hit. `flip` of the surface is already in the winding of triangles and the orientation of quadrics.
     #[inline]
@@ -130,7 +136,7 @@ impl Geometry {
         // The traversal's plane test is off by roundings of the vertices relative to the origin: the bound follows the
         // corners, not the point, which may lie near zero while they do not.
         let error = a.abs().max(b.abs()).max(c.abs()) * gamma(TRIANGLE_ROUNDINGS);
-        let ng = (b - a).cross(c - a).normalize_or_zero();
+        let ng = if self.slivers { exact_normal(a, b, c) } else { (b - a).cross(c - a).normalize_or_zero() };
         let mut ns = ng;
         if !self.normals.is_empty() {
             let [ia, ib, ic] = self.triangles[triangle as usize];

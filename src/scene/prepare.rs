@@ -16,7 +16,7 @@ use super::material::rgb;
 use super::{Details, SceneNeeds, Surface, flat, textures};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
-use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, triangle_area};
+use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, is_sliver, triangle_area};
 use crate::light::{
     AreaLight, Cone, DeltaPlace, DirectionalLight, Emission, Environment, EnvironmentLight, EnvironmentMap, Light,
     PointLight, Profile, SceneBall, SpotLight,
@@ -370,6 +370,7 @@ impl Builder {
                     duplicates += 1;
                     continue;
                 }
+                self.geometry.slivers |= is_sliver([a, b, c]);
                 self.geometry.triangles.push(t);
                 self.geometry.triangle_surface.push(index);
             }

@@ -6,6 +6,7 @@
 
 mod device;
 mod scene;
+mod slivers;
 mod user;
 
 #[cfg(test)]
@@ -15,15 +16,21 @@ use std::sync::Arc;
 
 use self::device::Device;
 use self::scene::{RawHit, RayMask, Scene, SceneBuilder};
-use self::user::UserGeometry;
+use self::slivers::Slivers;
+use self::user::{UserGeometry, UserHit};
 use super::{Accel, AccelError, AccelOptions, DeltaHit, Footprint};
-use crate::geometry::{Geometry, GeometryKind, Hit, Quadric};
+use crate::geometry::{Geometry, GeometryKind, Hit, Quadric, is_sliver};
 use crate::math::{Ray, Vec3};
 
 /// Embree's number of the triangle geometry, of opaque surfaces and of cut-outs.
 const TRIANGLES: [u32; 2] = [0, 2];
 /// Embree's number of the quadrics' user geometry, likewise.
 const QUADRICS: [u32; 2] = [1, 3];
+/// Embree's number of the user geometry of triangles that are too thin for it, likewise.
+const SLIVERS: [u32; 2] = [4, 5];
+
+/// By Embree's number of a geometry: what its primitives are called in `Geometry`.
+type Numbers = [Vec<u32>; 6];
 
 /// Fewer rays than this are faster one by one. Full packets of eight take from 0.7 (a few dozen triangles) to 1.0
 /// (many thousands) of the single queries' time, half-full ones never less; sixteen at once and the hint that rays
@@ -32,12 +39,15 @@ const MIN_PACKET: usize = 6;
 
 /// The geometry of a scene in Embree's trees.
 ///
-/// Triangles and quadrics, where there are any, share one scene; each kind has a tree of its own there. Surfaces that are
+/// Triangles and quadrics, where there are any, share one scene; each kind has a tree of its own there, and so have slivers,
+/// triangles too thin for Embree. Surfaces that are
 /// partly opaque have a mask bit that occlusion rays lack, and a scene of their own besides, so that what looks for them
 /// alone goes through no other surface's tree. Delta points have another scene and another mask bit, so that transport
 /// rays pay nothing for them.
 pub struct EmbreeAccel {
     transport: Scene,
+    /// Where not all triangles are one geometry, and all quadrics another.
+    numbers: Option<Numbers>,
     cut_outs: Option<CutOuts>,
     delta: Option<Scene>,
     description: String,
@@ -50,8 +60,6 @@ struct CutOuts {
     /// spared a query that has a price even when it ends at the root.
     bounds: [Vec3; 2],
     extent: f32,
-    /// By Embree's number of a geometry: what its primitives are called in `Geometry`.
-    numbers: [Vec<u32>; 4],
 }
 
 /// Primitives of `Geometry::quadrics` as Embree sees them.
@@ -77,8 +85,8 @@ impl UserGeometry for Quadrics {
         self.at(primitive).bounds()
     }
 
-    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<f32> {
-        self.at(primitive).intersect(ray)
+    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<UserHit> {
+        self.at(primitive).intersect(ray).map(UserHit::at)
     }
 }
 
@@ -94,38 +102,56 @@ impl UserGeometry for DeltaPoints {
         self.0.delta_points[primitive as usize].bounds()
     }
 
-    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<f32> {
-        self.0.delta_points[primitive as usize].intersect(ray)
+    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<UserHit> {
+        self.0.delta_points[primitive as usize].intersect(ray).map(UserHit::at)
     }
 }
 
-impl CutOuts {
-    /// Attaches all surfaces to `transport`, opaque ones and others apart, and these to a scene of their own.
-    fn build(device: &Arc<Device>, geometry: &Arc<Geometry>, transport: &mut SceneBuilder) -> Result<Self, AccelError> {
-        let mut own = SceneBuilder::new(device)?;
-        let mut numbers = [const { Vec::new() }; 4];
-        let masks = [RayMask::OPAQUE, RayMask::CUT_OUT];
-        for (cut_out, mask) in [false, true].into_iter().zip(masks) {
-            let (triangles, quadrics) = (TRIANGLES[usize::from(cut_out)], QUADRICS[usize::from(cut_out)]);
-            let which = |kind, count: usize| -> Vec<u32> {
-                (0..count as u32).filter(|&i| geometry.is_cut_out(kind, i) == cut_out).collect()
-            };
-            let some = which(GeometryKind::Triangle, geometry.triangles.len());
-            let corners: Vec<[u32; 3]> = some.iter().map(|&i| geometry.triangles[i as usize]).collect();
-            numbers[triangles as usize] = some;
-            let some = which(GeometryKind::Quadric, geometry.quadrics.len());
-            for scene in [Some(&mut *transport), cut_out.then_some(&mut own)].into_iter().flatten() {
-                if !corners.is_empty() {
-                    scene.attach_triangles(geometry, Some(corners.clone()), triangles, mask)?;
-                }
-                if !some.is_empty() {
-                    let user = Quadrics { geometry: Arc::clone(geometry), some: Some(some.clone()) };
-                    scene.attach_user(user, quadrics, mask)?;
-                }
+/// Attaches all surfaces to `transport`: opaque ones and others apart, slivers and other triangles apart. The others go into
+/// `own` as well.
+fn attach_apart(
+    geometry: &Arc<Geometry>,
+    slivers: &[u32],
+    transport: &mut SceneBuilder,
+    own: &mut SceneBuilder,
+) -> Result<Numbers, AccelError> {
+    let mut numbers: Numbers = Default::default();
+    let masks = [RayMask::OPAQUE, RayMask::CUT_OUT];
+    for (cut_out, mask) in [false, true].into_iter().zip(masks) {
+        let [triangles, quadrics, thin] = [TRIANGLES, QUADRICS, SLIVERS].map(|ids| ids[usize::from(cut_out)]);
+        let which = |kind, count: usize| -> Vec<u32> {
+            (0..count as u32).filter(|&i| geometry.is_cut_out(kind, i) == cut_out).collect()
+        };
+        let all = which(GeometryKind::Triangle, geometry.triangles.len());
+        // `slivers` are in order.
+        let (some_thin, some): (Vec<u32>, Vec<u32>) = all.into_iter().partition(|i| slivers.binary_search(i).is_ok());
+        let corners: Vec<[u32; 3]> = some.iter().map(|&i| geometry.triangles[i as usize]).collect();
+        let some_quadrics = which(GeometryKind::Quadric, geometry.quadrics.len());
+        for scene in [Some(&mut *transport), cut_out.then_some(&mut *own)].into_iter().flatten() {
+            if !corners.is_empty() {
+                scene.attach_triangles(geometry, Some(corners.clone()), triangles, mask)?;
             }
-            numbers[quadrics as usize] = some;
+            if !some_thin.is_empty() {
+                let user = Slivers { geometry: Arc::clone(geometry), some: some_thin.clone() };
+                scene.attach_user(user, thin, mask)?;
+            }
+            if !some_quadrics.is_empty() {
+                let user = Quadrics { geometry: Arc::clone(geometry), some: Some(some_quadrics.clone()) };
+                scene.attach_user(user, quadrics, mask)?;
+            }
         }
-        let corners = numbers[TRIANGLES[1] as usize].iter().flat_map(|&i| geometry.corners(i));
+        numbers[triangles as usize] = some;
+        numbers[thin as usize] = some_thin;
+        numbers[quadrics as usize] = some_quadrics;
+    }
+    Ok(numbers)
+}
+
+impl CutOuts {
+    /// Of the surfaces that are in `own`.
+    fn build(own: SceneBuilder, geometry: &Geometry, numbers: &Numbers) -> Result<Self, AccelError> {
+        let triangles = [TRIANGLES[1], SLIVERS[1]].into_iter().flat_map(|id| &numbers[id as usize]);
+        let corners = triangles.flat_map(|&i| geometry.corners(i));
         let quadrics = &numbers[QUADRICS[1] as usize];
         let boxes = quadrics.iter().flat_map(|&i| <[Vec3; 2]>::from(geometry.quadrics[i as usize].bounds()));
         let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -134,7 +160,7 @@ impl CutOuts {
         }
         let extent = min.abs().max(max.abs()).max_element();
         let scene = own.commit(RayMask::CUT_OUT, RayMask::CUT_OUT)?;
-        Ok(Self { scene, bounds: [min, max], extent, numbers })
+        Ok(Self { scene, bounds: [min, max], extent })
     }
 
     /// Whether a ray may meet the box around them: false only where it does not.
@@ -150,18 +176,19 @@ impl CutOuts {
         let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
         enter <= leave && leave >= 0.0 && enter <= ray.tmax
     }
-
-    #[inline]
-    fn as_hit(&self, hit: &RawHit) -> Hit {
-        as_hit(hit, self.numbers[hit.geometry as usize][hit.primitive as usize])
-    }
 }
 
-/// A hit on the primitive of that number in `Geometry`.
-#[inline]
-fn as_hit(hit: &RawHit, primitive: u32) -> Hit {
-    let geometry = if TRIANGLES.contains(&hit.geometry) { GeometryKind::Triangle } else { GeometryKind::Quadric };
-    Hit { t: hit.t, geometry, primitive, u: hit.u, v: hit.v }
+impl EmbreeAccel {
+    /// A hit in the terms of `Geometry`.
+    #[inline]
+    fn as_hit(&self, hit: &RawHit) -> Hit {
+        let primitive = match &self.numbers {
+            None => hit.primitive,
+            Some(numbers) => numbers[hit.geometry as usize][hit.primitive as usize],
+        };
+        let geometry = if QUADRICS.contains(&hit.geometry) { GeometryKind::Quadric } else { GeometryKind::Triangle };
+        Hit { t: hit.t, geometry, primitive, u: hit.u, v: hit.v }
+    }
 }
 
 impl Accel for EmbreeAccel {
@@ -171,7 +198,12 @@ impl Accel for EmbreeAccel {
     fn build(geometry: Arc<Geometry>, options: AccelOptions) -> Result<Self, AccelError> {
         let device = Arc::new(Device::new(options.threads)?);
         let mut transport = SceneBuilder::new(&device)?;
-        let cut_outs = if geometry.cut_outs.is_empty() {
+        // Of a vertex that is not there `attach_triangles` tells.
+        let there = |i: u32| geometry.triangles[i as usize].iter().all(|&v| (v as usize) < geometry.positions.len());
+        let thin = |i: &u32| there(*i) && is_sliver(geometry.corners(*i));
+        let candidates = if geometry.slivers { geometry.triangles.len() as u32 } else { 0 };
+        let slivers: Vec<u32> = (0..candidates).filter(thin).collect();
+        let (numbers, cut_outs) = if geometry.cut_outs.is_empty() && slivers.is_empty() {
             // Each kind of geometry is one more tree that every ray goes through: none is attached empty.
             if !geometry.triangles.is_empty() {
                 transport.attach_triangles(&geometry, None, TRIANGLES[0], RayMask::OPAQUE)?;
@@ -180,9 +212,13 @@ impl Accel for EmbreeAccel {
                 let all = Quadrics { geometry: Arc::clone(&geometry), some: None };
                 transport.attach_user(all, QUADRICS[0], RayMask::OPAQUE)?;
             }
-            None
+            (None, None)
         } else {
-            Some(CutOuts::build(&device, &geometry, &mut transport)?)
+            let mut own = SceneBuilder::new(&device)?;
+            let numbers = attach_apart(&geometry, &slivers, &mut transport, &mut own)?;
+            let any = !geometry.cut_outs.is_empty();
+            let cut_outs = if any { Some(CutOuts::build(own, &geometry, &numbers)?) } else { None };
+            (Some(numbers), cut_outs)
         };
         let transport = transport.commit(RayMask::TRANSPORT, RayMask::OPAQUE)?;
         let delta = if options.delta_points && !geometry.delta_points.is_empty() {
@@ -193,22 +229,18 @@ impl Accel for EmbreeAccel {
             None
         };
         let description = format!("embree {} {}", device.version(), device.isa());
-        Ok(Self { transport, cut_outs, delta, description })
+        Ok(Self { transport, numbers, cut_outs, delta, description })
     }
 
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let hit = self.transport.intersect(ray)?;
-        Some(match &self.cut_outs {
-            None => as_hit(&hit, hit.primitive),
-            Some(cut_outs) => cut_outs.as_hit(&hit),
-        })
+        Some(self.as_hit(&self.transport.intersect(ray)?))
     }
 
     #[inline]
     fn intersect_cut_out(&self, ray: &Ray) -> Option<Hit> {
         let cut_outs = self.cut_outs.as_ref().filter(|cut_outs| cut_outs.may_meet(ray))?;
-        Some(cut_outs.as_hit(&cut_outs.scene.intersect(ray)?))
+        Some(self.as_hit(&cut_outs.scene.intersect(ray)?))
     }
 
     #[inline]

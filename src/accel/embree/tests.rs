@@ -338,9 +338,9 @@ impl UserGeometry for Faulty {
         (Vec3::splat(-1.0), Vec3::splat(1.0))
     }
 
-    fn intersect(&self, _: u32, ray: &Ray) -> Option<f32> {
+    fn intersect(&self, _: u32, ray: &Ray) -> Option<UserHit> {
         assert!(ray.d.z < 0.0, "planted");
-        Some(0.5)
+        Some(UserHit::at(0.5))
     }
 }
 

@@ -20,8 +20,23 @@ pub(super) trait UserGeometry: Send + Sync + 'static {
     /// for the traversal's roundings.
     fn bounds(&self, primitive: u32) -> (Vec3, Vec3);
 
-    /// The smallest parameter in `[tmin, tmax]` at which the ray meets a primitive.
-    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<f32>;
+    /// Where the ray first meets a primitive, with a parameter in `[tmin, tmax]`.
+    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<UserHit>;
+}
+
+/// A ray's parameter where it meets a primitive, and the coordinates there, of primitives that have such.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UserHit {
+    pub(super) t: f32,
+    pub(super) u: f32,
+    pub(super) v: f32,
+}
+
+impl UserHit {
+    /// Of a primitive without coordinates.
+    pub(super) fn at(t: f32) -> Self {
+        Self { t, u: 0.0, v: 0.0 }
+    }
 }
 
 /// Carries a panic over Embree's frames, which must not be unwound: caught in the callback, raised again by the
@@ -163,12 +178,12 @@ unsafe extern "C" fn intersect<U: UserGeometry>(args: *const sys::RTCIntersectFu
             }
             // SAFETY: the packet has `n` rays.
             let ray = unsafe { read_ray(packet, n, i) };
-            let Some(t) = geometry.intersect(args.primID, &ray) else { continue };
+            let Some(UserHit { t, u, v }) = geometry.intersect(args.primID, &ray) else { continue };
             // SAFETY: as for reading; the two identifiers' lanes hold unsigned integers.
             unsafe {
                 packet.add(lane!(ray tfar) * n + i).write(t);
-                packet.add(lane!(hit u) * n + i).write(0.0);
-                packet.add(lane!(hit v) * n + i).write(0.0);
+                packet.add(lane!(hit u) * n + i).write(u);
+                packet.add(lane!(hit v) * n + i).write(v);
                 packet.add(lane!(hit primID) * n + i).cast::<u32>().write(args.primID);
                 packet.add(lane!(hit geomID) * n + i).cast::<u32>().write(args.geomID);
             }
