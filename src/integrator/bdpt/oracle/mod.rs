@@ -180,6 +180,10 @@ impl<'a, A: Accel> Judge<'a, A> {
                 // from its own rounding, which grazing refraction magnifies: one of the two serves as the stored one.
                 let ratio = outwards.pdf_rev * inwards.pdf_rev / (outwards.pdf_fwd * inwards.pdf_fwd);
                 if (ratio - 1.0).abs() >= 2e-2 {
+                    // Nearly along the interface the two have no digit in common.
+                    if outwards.cos_out.min(inwards.cos_out) < 1e-2 {
+                        return None;
+                    }
                     *fault = Some(format!("densities of a delta lobe: {outwards:?} {inwards:?}"));
                     return None;
                 }
