@@ -64,19 +64,17 @@ fn weight(settings: &Settings, p: f64, q: f64) -> f32 {
     if !settings.weighted {
         return 1.0;
     }
+    // Of two points in one plane, to rounding, neither density need be above zero.
+    if q == 0.0 {
+        return 1.0;
+    }
     let w = match settings.heuristic {
         Heuristic::Power => {
             let r = q / p;
             1.0 / (1.0 + r * r)
         }
         Heuristic::Balance => 1.0 / (1.0 + q / p),
-        Heuristic::Uniform => {
-            if q > 0.0 {
-                0.5
-            } else {
-                1.0
-            }
-        }
+        Heuristic::Uniform => 0.5,
     };
     w as f32
 }

@@ -21,9 +21,9 @@ use std::sync::Arc;
 use crate::accel::{Accel, AccelError, AccelOptions};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
-use crate::geometry::{Geometry, GeometryKind, SurfacePoint};
+use crate::geometry::{Geometry, GeometryKind, Hit, SurfacePoint};
 use crate::light::{DeltaPlace, Light, LightChoice, LightPoint, Receiver};
-use crate::math::{Ray, Vec3};
+use crate::math::{Ray, Vec3, next_up};
 use crate::pdf::LightPointPdf;
 use crate::planted::{Bug, planted};
 use crate::sampling::Coins;
@@ -163,7 +163,7 @@ impl<A: Accel> Scene<A> {
             let mut varies = false;
             if let Some(detail) = surface.detail {
                 let Some(bsdf) = self.details.resolve(detail, &self.geometry, &hit, &mut at, coins) else {
-                    ray = Ray::new(at.origin(ray.d), ray.d);
+                    ray = beyond(&ray, &hit, &at);
                     continue;
                 };
                 (varies, *varying) = (true, bsdf);
@@ -171,7 +171,7 @@ impl<A: Accel> Scene<A> {
             let is_window = |bsdf: &Bsdf| matches!(bsdf, Bsdf::Null);
             if self.needs.windows && is_window(if varies { varying } else { &surface.bsdf }) {
                 through_window = !planted(Bug::WindowsConnect);
-                ray = Ray::new(at.origin(ray.d), ray.d);
+                ray = beyond(&ray, &hit, &at);
                 continue;
             }
             let bsdf = if varies { &*varying } else { &surface.bsdf };
@@ -212,13 +212,30 @@ impl<A: Accel> Scene<A> {
             if passed == 0.0 {
                 return 0.0;
             }
-            let next = at.origin(ray.d);
+            let next = beyond(&ray, &hit, &at);
+            // What lies within the rounding of the segment's end ends it, along the ray or on this side of the surface: from
+            // there the way to the end leads back through it, and through it again, without end.
+            let before = |end: Vec3| {
+                let left = end - next.at(next.tmin);
+                left.dot(ray.d) <= 0.0 || left.dot(at.ng) * ray.d.dot(at.ng) <= 0.0
+            };
             ray = match end {
-                // What lies within the rounding of the segment's end ends it.
-                Some(end) if (end - next).dot(ray.d) <= 0.0 => return passed,
-                Some(end) => Ray::segment(next, end),
-                None => Ray::new(next, ray.d),
+                Some(end) if before(end) => return passed,
+                Some(end) if next.tmin == 0.0 => Ray::segment(next.o, end),
+                Some(_) => Ray { tmax: ray.tmax, ..next },
+                None => next,
             };
         }
     }
+}
+
+/// The rest of a ray that goes through what it has hit. It starts off the surface, unless that is no further: where an
+/// accelerator knows the plane of a needle less well than its points, the surface is met again from there, for ever.
+#[inline]
+fn beyond(ray: &Ray, hit: &Hit, at: &SurfacePoint) -> Ray {
+    let next = at.origin(ray.d);
+    if (next - ray.o).dot(ray.d) > 0.0 {
+        return Ray::new(next, ray.d);
+    }
+    Ray { tmin: next_up(hit.t), tmax: f32::INFINITY, ..*ray }
 }
