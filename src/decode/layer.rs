@@ -27,11 +27,12 @@ struct Layer {
 /// that can be read.
 pub fn layers(path: &Path) -> Vec<String> {
     let Some(FileKind::Exr) = super::kind_of_content(path) else { return Vec::new() };
-    let Some(reader) = File::open(path).ok().and_then(|f| Reader::read_from_buffered(BufReader::new(f), false).ok())
-    else {
-        return Vec::new();
-    };
-    let all = found(reader.headers());
+    let all = super::guard::guarded(|| {
+        let file = File::open(path).map_err(|e| e.to_string())?;
+        let reader = Reader::read_from_buffered(BufReader::new(file), false).map_err(|e| e.to_string())?;
+        Ok(found(reader.headers()))
+    });
+    let Ok(all) = all else { return Vec::new() };
     let picture = all.iter().position(|l| l.prefix.is_empty() && rgb(&l.channels).is_some());
     all.into_iter().enumerate().filter(|(i, _)| Some(*i) != picture).map(|(_, layer)| layer.name).collect()
 }
@@ -41,6 +42,10 @@ pub fn layers(path: &Path) -> Vec<String> {
 /// # Errors
 /// In words, when the file cannot be read, has no such layer, or one of other channels.
 pub fn read_layer(path: &Path, name: &str) -> Result<Decoded, String> {
+    super::guard::guarded(|| read_layer_of_exr(path, name))
+}
+
+fn read_layer_of_exr(path: &Path, name: &str) -> Result<Decoded, String> {
     let file = File::open(path).map_err(|e| format!("{e}; check the name and the permissions"))?;
     let length = file.metadata().map_err(|e| e.to_string())?.len();
     let damaged = |e: exr::error::Error| format!("{e}; the file is damaged or uses an unsupported feature");
