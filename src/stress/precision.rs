@@ -111,7 +111,8 @@ impl Precision {
 
     /// Paths by decades of their condition.
     fn decades(&self) -> Vec<Decade> {
-        let decade = |p: &Compared| p.condition.log10().floor() as i32;
+        // At a spot's very rim it has no bound.
+        let decade = |p: &Compared| p.condition.log10().floor().clamp(-12.0, 6.0) as i32;
         let mut all: Vec<i32> = self.paths.iter().map(decade).collect();
         all.sort_unstable();
         all.dedup();
