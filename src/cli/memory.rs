@@ -104,7 +104,9 @@ pub fn check(
 /// Another accelerator that would do.
 fn smaller(accel: AccelArg, scene: &Memory, film: u64, limit: Limit) -> Option<&'static str> {
     #[cfg(feature = "embree")]
-    if accel != AccelArg::Embree && scene.peak(AccelArg::Embree.footprint(), film).1 + PROGRAM <= limit.bytes {
+    if accel != AccelArg::Embree
+        && scene.peak(AccelArg::Embree.footprint(), film).1.saturating_add(PROGRAM) <= limit.bytes
+    {
         return Some("--accel embree");
     }
     let _ = (accel, scene, film, limit);

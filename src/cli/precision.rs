@@ -12,10 +12,22 @@ use crate::integrator::Settings;
 use crate::scene::{Prepared, Scene, prepare};
 use crate::stress::precision;
 
+/// Most samples: some ten paths each, of 48 bytes.
+const MOST: u64 = 1 << 22;
+
 pub fn run(args: &PrecisionArgs) -> Result<(), Failure> {
     let mut desc = load(&args.scene, Limit::sensible())?;
     if let Some(Size(size)) = args.size {
         desc.camera.resolution = size;
+    }
+    let [width, height] = desc.camera.resolution;
+    let samples = u64::from(width) * u64::from(height) * u64::from(args.spp);
+    if samples > MOST {
+        return Err(Failure::usage(format!(
+            "{width} × {height} pixels with {} spp are {samples} samples, of which each path is kept; at most {MOST} fit: use a \
+             smaller --size or --spp",
+            args.spp
+        )));
     }
     let settings = Settings {
         max_bounces: args.max_bounces.unwrap_or(desc.integrator.max_bounces),

@@ -93,7 +93,10 @@ pub fn run<A: Accel>(
         0 => Ok(()),
         n => Err(Failure::new(
             status::NON_FINITE,
-            format!("{} of this sample not finite", if n == 1 { "1 contribution" } else { "contributions" }),
+            match n {
+                1 => "1 contribution of this sample is not finite".to_owned(),
+                n => format!("{n} contributions of this sample are not finite"),
+            },
         )),
     }
 }

@@ -15,7 +15,7 @@ use std::path::Path;
 use exr::block::reader::Reader;
 use exr::compression::Compression;
 use exr::math::Vec2;
-use exr::meta::attribute::{AttributeValue, ChannelDescription, IntegerBounds, Text};
+use exr::meta::attribute::{AttributeValue, ChannelDescription, IntegerBounds, SampleType, Text};
 use exr::meta::header::Header;
 use exr::prelude::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _};
 use image::codecs::hdr::HdrDecoder;
@@ -211,7 +211,13 @@ fn check_exr_header(header: &Header, length: u64) -> Result<(), String> {
         | Compression::B44
         | Compression::B44A => {
             let channels = &header.channels.list;
-            let sample = |c: &ChannelDescription| c.sample_type.bytes_per_sample() / c.sampling.area().max(1);
+            // PXR24 stores three bytes of a float.
+            let pxr24 = header.compression == Compression::PXR24;
+            let stored = |kind: SampleType| match kind {
+                SampleType::F32 if pxr24 => 3,
+                kind => kind.bytes_per_sample(),
+            };
+            let sample = |c: &ChannelDescription| stored(c.sample_type) / c.sampling.area().max(1);
             let bytes: usize = channels.iter().map(sample).sum();
             (width * height).saturating_mul(bytes as u64) / DEFLATED
         }

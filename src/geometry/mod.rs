@@ -10,6 +10,7 @@ mod tangents;
 
 pub use delta_point::DeltaPoint;
 pub use quadric::{Quadric, QuadricKind};
+pub(crate) use surface_point::exact_normal;
 pub use surface_point::{SurfacePoint, SurfaceTag};
 pub use tangents::Tangents;
 

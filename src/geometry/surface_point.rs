@@ -107,7 +107,7 @@ const TRIANGLE_ROUNDINGS: u32 = 16;
 const QUADRIC_ROUNDINGS: u32 = 3;
 
 /// A triangle's unit normal, its edges' product in f64: of a thin triangle's, nearly parallel, f32 would leave few digits.
-fn exact_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+pub(crate) fn exact_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     let [a, b, c] = [a, b, c].map(|p| p.as_dvec3());
     (b - a).cross(c - a).normalize_or_zero().as_vec3a()
 }

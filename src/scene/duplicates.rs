@@ -55,17 +55,28 @@ fn place(surface: &SurfaceDesc) -> [u64; 2] {
 pub(super) struct ShiningTriangles(HashSet<[u64; 2]>);
 
 impl ShiningTriangles {
-    /// Whether a triangle is the first with these corners in this sense of rotation; it is remembered.
-    pub fn insert(&mut self, corners: [Vec3; 3]) -> bool {
+    /// Whether a triangle is the first with these corners, in this sense of rotation unless it shines to both sides; it is
+    /// remembered.
+    pub fn insert(&mut self, corners: [Vec3; 3], two_sided: bool) -> bool {
         // The zeros are one place.
         let [a, b, c] = corners.map(|p| (p + 0.0).to_array().map(f32::to_bits));
-        let first = [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
-        let hash = |salt: u8| {
-            let mut h = DefaultHasher::new();
-            (salt, first).hash(&mut h);
-            h.finish()
+        let turned = |[a, b, c]: [[u32; 3]; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
+        let (first, back) = (turned([a, b, c]), turned([a, c, b]));
+        let hash = |key: Option<[[u32; 3]; 3]>| {
+            [0_u8, 1].map(|salt| {
+                let mut h = DefaultHasher::new();
+                (salt, key).hash(&mut h);
+                h.finish()
+            })
         };
-        self.0.insert([0, 1].map(hash))
+        if two_sided && self.0.contains(&hash(back)) {
+            return false;
+        }
+        let is_new = self.0.insert(hash(first));
+        if is_new && two_sided {
+            self.0.insert(hash(back));
+        }
+        is_new
     }
 }
 

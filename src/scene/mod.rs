@@ -234,7 +234,7 @@ impl<A: Accel> Scene<A> {
 #[inline]
 fn beyond(ray: &Ray, hit: &Hit, at: &SurfacePoint) -> Ray {
     let next = at.origin(ray.d);
-    if (next - ray.o).dot(ray.d) > 0.0 {
+    if (next - ray.at(ray.tmin)).dot(ray.d) > 0.0 {
         return Ray::new(next, ray.d);
     }
     Ray { tmin: next_up(hit.t), tmax: f32::INFINITY, ..*ray }

@@ -16,7 +16,7 @@ use super::material::rgb;
 use super::{Details, SceneNeeds, Surface, flat, textures};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
-use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, is_sliver, triangle_area};
+use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, exact_normal, is_sliver, triangle_area};
 use crate::light::{
     AreaLight, Cone, DeltaPlace, DirectionalLight, Emission, Environment, EnvironmentLight, EnvironmentMap, Light,
     PointLight, Profile, SceneBall, SpotLight,
@@ -228,15 +228,21 @@ impl Builder {
                     &positions,
                     (&[], &QUAD_UVS),
                     &[[0, 1, 2], [0, 2, 3]],
-                    (index, !dark),
+                    (index, (!dark).then_some(emit.two_sided)),
                 );
                 self.triangle_light(triangles, emit, index)
             }
             ShapeDesc::Mesh(mesh) => {
                 let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
                 let attributes = (mesh.normals.as_slice(), mesh.uvs.as_slice());
-                let triangles =
-                    self.add_triangles(surface, &to_render, &positions, attributes, &mesh.triangles, (index, !dark));
+                let triangles = self.add_triangles(
+                    surface,
+                    &to_render,
+                    &positions,
+                    attributes,
+                    &mesh.triangles,
+                    (index, (!dark).then_some(emit.two_sided)),
+                );
                 self.check_uvs(surface, material.emit, mesh.uvs.is_empty());
                 self.triangle_light(triangles, emit, index)
             }
@@ -331,7 +337,7 @@ impl Builder {
         positions: &[DVec3],
         (normals, uvs): (&[[f32; 3]], &[[f32; 2]]),
         triangles: &[[u32; 3]],
-        (index, shines): (u32, bool),
+        (index, shines): (u32, Option<bool>),
     ) -> Range<u32> {
         let Some(first) = u32::try_from(self.geometry.positions.len() + positions.len())
             .ok()
@@ -364,9 +370,9 @@ impl Builder {
             let t = t.map(|i| first + i);
             // By the test of the shading, whose normal has to exist in f32.
             let [a, b, c] = t.map(|i| self.geometry.positions[i as usize]);
-            if triangle_area([a, b, c]) > 0.0 && (b - a).cross(c - a).try_normalize().is_some() {
+            if triangle_area([a, b, c]) > 0.0 && exact_normal(a, b, c) != Vec3::ZERO {
                 // Rays would meet one of the two, and light be sampled on both: see `duplicate_emitters`.
-                if shines && !self.shining.insert([a, b, c]) {
+                if shines.is_some_and(|two_sided| !self.shining.insert([a, b, c], two_sided)) {
                     duplicates += 1;
                     continue;
                 }
@@ -380,7 +386,7 @@ impl Builder {
         if duplicates > 0 {
             let plural = if duplicates == 1 { "triangle" } else { "triangles" };
             let message =
-                format!("{duplicates} {plural} of a light exactly where others are dropped, of {}", triangles.len());
+                format!("{duplicates} {plural} of a light, of {}, exactly where others are: left out", triangles.len());
             self.warn(surface, message);
         }
         if dropped > 0 {

@@ -96,6 +96,9 @@ pub const WEIGHTS: f64 = 1e-4;
 /// densities, which the power heuristic squares.
 const WEIGHT: f64 = 3.0;
 
+/// However badly conditioned a path is.
+const WEIGHT_AT_MOST: f64 = 0.1;
+
 /// Judges the weights of `bdpt` on `paths` random paths by their densities multiplied out.
 pub fn weights<A: Accel>(scene: &Scene<A>, settings: Settings, paths: u32) -> Seen {
     let judge = Judge::new(scene, settings);
@@ -107,7 +110,7 @@ pub fn faults_of_weights(seen: &Seen, sum: f64) -> Vec<String> {
     let mut faults = Vec::new();
     // A NaN is a fault.
     let (off, weight, over) = (seen.worst_sum, seen.worst_weight, seen.worst_weight_over_condition);
-    if !(off <= sum && over <= WEIGHT) {
+    if !(off <= sum && over <= WEIGHT && weight <= WEIGHT_AT_MOST) {
         faults.push(format!(
             "Σw − 1 up to {off:.1e}, a weight off by {weight:.1e}, {over:.1} times what rounding explains"
         ));

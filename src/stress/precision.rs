@@ -6,19 +6,23 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::accel::Accel;
-use crate::integrator::bdpt::oracle::Judge;
 use crate::integrator::bdpt::oracle::replay::{Compared, Judged, judge, settings};
+use crate::integrator::bdpt::oracle::{Judge, worse};
 use crate::integrator::{Crop, PixelSample, Recorder, SampleLoop, Settings};
 use crate::scene::Scene;
 
 /// Shares of the paths whose errors are told.
 const QUANTILES: [f64; 4] = [0.5, 0.99, 0.999, 1.0];
 
+/// Faults that are told of.
+const FAULTS: usize = 5;
+
 /// The paths of a scene, judged.
 #[derive(Debug)]
 pub struct Precision {
     paths: Vec<Compared>,
     untold: u64,
+    faults: Vec<String>,
 }
 
 /// Makes `samples` samples of each pixel by `bdpt` and judges their paths; of the settings those that can be.
@@ -39,7 +43,8 @@ pub fn precision<A: Accel>(scene: &Scene<A>, given: Settings, samples: u32) -> P
     };
     let rows: Vec<Judged> = (0..height).into_par_iter().map(of_row).collect();
     let untold = rows.iter().map(|row| row.untold).sum();
-    Precision { paths: rows.into_iter().flat_map(|row| row.paths).collect(), untold }
+    let faults = rows.iter().filter_map(|row| row.fault.clone()).take(FAULTS).collect();
+    Precision { paths: rows.into_iter().flat_map(|row| row.paths).collect(), untold, faults }
 }
 
 /// The errors at the quantiles; `errors` need not be sorted.
@@ -74,6 +79,11 @@ impl Precision {
     /// Paths that could not be, such as those that see a surface edge-on.
     pub fn unjudged(&self) -> u64 {
         self.untold
+    }
+
+    /// What is wrong beyond rounding, as the judge tells it; the first of them.
+    pub fn faults(&self) -> &[String] {
+        &self.faults
     }
 
     /// The median relative errors of contributions and of weights.
@@ -111,13 +121,12 @@ impl Precision {
 
     /// Paths by decades of their condition.
     fn decades(&self) -> Vec<Decade> {
-        // At a spot's very rim it has no bound.
-        let decade = |p: &Compared| p.condition.log10().floor().clamp(-12.0, 6.0) as i32;
-        let mut all: Vec<i32> = self.paths.iter().map(decade).collect();
+        let decade = |p: &Compared| p.condition.log10().floor().max(-12.0) as i32;
+        let mut all: Vec<i32> = self.bounded().map(decade).collect();
         all.sort_unstable();
         all.dedup();
         let of = |power: i32| {
-            let paths = || self.paths.iter().filter(move |p| decade(p) == power);
+            let paths = || self.bounded().filter(move |p| decade(p) == power);
             let quantiles = |error: fn(&Compared) -> f64| quantiles(paths().map(error).collect());
             Decade {
                 power,
@@ -129,10 +138,21 @@ impl Precision {
         all.into_iter().map(of).collect()
     }
 
-    /// The largest error of a contribution and of a weight, over the path's condition.
+    /// Those whose condition has a bound.
+    fn bounded(&self) -> impl Iterator<Item = &Compared> {
+        self.paths.iter().filter(|p| p.condition.is_finite())
+    }
+
+    /// How many paths have a condition without bound, at a spot's very rim, and the largest error of theirs.
+    pub fn unbounded(&self) -> (usize, f64) {
+        let of = |p: &Compared| worse(p.contribution.abs(), p.weight.abs());
+        let errors: Vec<f64> = self.paths.iter().filter(|p| !p.condition.is_finite()).map(of).collect();
+        (errors.len(), errors.into_iter().fold(0.0, worse))
+    }
+
+    /// The largest error of a contribution and of a weight, over the path's condition where that has a bound.
     pub fn worst_over_condition(&self) -> [f64; 2] {
-        let worst =
-            |error: fn(&Compared) -> f64| self.paths.iter().map(|p| error(p).abs() / p.condition).fold(0.0, f64::max);
+        let worst = |error: fn(&Compared) -> f64| self.bounded().map(|p| error(p).abs() / p.condition).fold(0.0, worse);
         [worst(|p| p.contribution), worst(|p| p.weight)]
     }
 
@@ -170,6 +190,16 @@ impl Precision {
                 format!("1e{low:<3} to 1e{high:<3} {:>3}  {}  {}", d.paths, four(d.contribution), four(d.weight)),
             );
         }
+        let (unbounded, largest) = self.unbounded();
+        if unbounded > 0 {
+            line(
+                &mut out,
+                format!("at a spot's rim, where it has no bound: {unbounded} paths, off by at most {largest:.1e}"),
+            );
+        }
+        for fault in &self.faults {
+            line(&mut out, format!("fault: {fault}"));
+        }
         let [contribution, weight] = self.worst_over_condition();
         line(
             &mut out,
@@ -193,6 +223,8 @@ impl Precision {
             "image": { "sum": sum, "sizes": sizes },
             "decades": self.decades().iter().map(decade).collect::<Vec<Value>>(),
             "worst_over_condition": self.worst_over_condition(),
+            "without_bound": { "paths": self.unbounded().0, "worst": self.unbounded().1 },
+            "faults": self.faults,
         })
     }
 }

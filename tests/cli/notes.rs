@@ -79,7 +79,7 @@ pub const NOTES: &[Note] = &[
         text: "{\"camera\": {\"resolution\": 8, \"transform\": {\"translate\": [0, 0, 3]}}, \"surfaces\": [\n  «{\"type\": \"mesh\", \
                \"material\": {\"type\": \"diffuse light\", \"emit\": 1}, \"positions\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],\n   \
                \"indices\": [[0, 1, 2], [1, 2, 0]]}]}",
-        messages: &["warning: @: /surfaces/0: 1 triangle of a light exactly where others are dropped, of 2"],
+        messages: &["warning: @: /surfaces/0: 1 triangle of a light, of 2, exactly where others are: left out"],
         ..LIT
     },
     Note {

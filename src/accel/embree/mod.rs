@@ -125,11 +125,11 @@ fn attach_apart(
         let all = which(GeometryKind::Triangle, geometry.triangles.len());
         // `slivers` are in order.
         let (some_thin, some): (Vec<u32>, Vec<u32>) = all.into_iter().partition(|i| slivers.binary_search(i).is_ok());
-        let corners: Vec<[u32; 3]> = some.iter().map(|&i| geometry.triangles[i as usize]).collect();
+        let corners = || some.iter().map(|&i| geometry.triangles[i as usize]).collect();
         let some_quadrics = which(GeometryKind::Quadric, geometry.quadrics.len());
         for scene in [Some(&mut *transport), cut_out.then_some(&mut *own)].into_iter().flatten() {
-            if !corners.is_empty() {
-                scene.attach_triangles(geometry, Some(corners.clone()), triangles, mask)?;
+            if !some.is_empty() {
+                scene.attach_triangles(geometry, Some(corners()), triangles, mask)?;
             }
             if !some_thin.is_empty() {
                 let user = Slivers { geometry: Arc::clone(geometry), some: some_thin.clone() };

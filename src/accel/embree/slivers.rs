@@ -29,8 +29,8 @@ impl UserGeometry for Slivers {
     fn bounds(&self, primitive: u32) -> (Vec3, Vec3) {
         let [a, b, c] = self.geometry.corners(self.some[primitive as usize]);
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
-        // With room for what is met beside the edges, from as far as the coordinates are large.
-        let room = Vec3::splat(lo.abs().max(hi.abs()).max_element() * (1.0 / (1 << 19) as f32) + f32::MIN_POSITIVE);
+        // With room for what is met beside the edges from anywhere within four units: render space is two large.
+        let room = Vec3::splat((1.0 + lo.abs().max(hi.abs()).max_element()) * (1.0 / (1 << 20) as f32));
         (lo - room, hi + room)
     }
 

@@ -218,7 +218,7 @@ pub struct Seen {
 }
 
 /// The larger of two deviations; a NaN, which `f64::max` would pass over, is larger than all.
-fn worse(a: f64, b: f64) -> f64 {
+pub fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 

@@ -40,6 +40,8 @@ pub struct Judged {
     pub paths: Vec<Compared>,
     /// Paths that carry light and that the judge cannot tell, such as those seen edge-on.
     pub untold: u64,
+    /// What is wrong beyond rounding with the last path that has such a fault.
+    pub fault: Option<String>,
 }
 
 /// Makes one sample of `bdpt` and judges its paths; those that are blocked are passed over.
@@ -55,20 +57,19 @@ pub fn judge<A: Accel>(
     let mut walks = Walks::default();
     for step in recorder.steps() {
         if let Step::Made(made) = step {
-            if let (Some([plain, weighted]), true) = (made.values, made.visible > 0.0) {
-                // Nothing is lost of a path that contributes nothing, or too little for its digits.
-                if plain.max_element() <= 1e-30 || weighted.max_element() <= 1e-30 {
-                    continue;
-                }
-                // What a camera ray sees of the sky has one technique, and no factors.
-                if made.technique == (Technique { s: 0, t: 2 }) && walks.left.is_some() {
-                    continue;
-                }
-                let thinned = walks.survival(made);
-                match walks.path(made).and_then(|path| compare(judge, &path.with_lens(judge.scene)?, made, thinned)) {
-                    Some(compared) => out.paths.push(compared),
-                    None => out.untold += 1,
-                }
+            // What a camera ray sees of the sky has one technique, and no factors.
+            let sky = made.technique == (Technique { s: 0, t: 2 }) && walks.left.is_some();
+            // Visibility is asked for last: a refusal before it is judged as well.
+            if sky || (made.values.is_some() && made.visible == 0.0) {
+                continue;
+            }
+            let survival = walks.survival(made);
+            let path = walks.path(made).and_then(|path| path.with_lens(judge.scene));
+            match path.map(|path| compare(judge, &path, made, survival)) {
+                Some(Ok(Some(compared))) => out.paths.push(compared),
+                Some(Ok(None)) => {}
+                Some(Err(fault)) if !fault.is_empty() => out.fault = Some(fault),
+                Some(Err(_)) | None => out.untold += u64::from(made.values.is_some()),
             }
         } else {
             walks.follow(step);
@@ -81,24 +82,33 @@ pub fn settings(settings: Settings) -> Settings {
     Settings { integrator: Integrator::Bdpt, weighted: true, only: None, light_paths: 1, connections: 1, ..settings }
 }
 
-fn compare<A: Accel>(judge: &Judge<'_, A>, path: &FullPath, made: &Made, survival: f64) -> Option<Compared> {
-    let densities = Densities::of(judge, path, &mut None)?;
+/// `None` for a path that contributes nothing, or too little for an f32's digits.
+///
+/// # Errors
+/// What is wrong; without words where the judge cannot tell the path's densities.
+fn compare<A: Accel>(
+    judge: &Judge<'_, A>,
+    path: &FullPath,
+    made: &Made,
+    survival: f64,
+) -> Result<Option<Compared>, String> {
+    let mut fault = None;
+    let Some(densities) = Densities::of(judge, path, &mut fault) else { return Err(fault.unwrap_or_default()) };
     let s = made.technique.s as usize;
-    let [plain, _] = made.values?;
     let exact = densities.contribution(s) / survival;
     let (exact_weight, largest) = (densities.weight(s), exact.max_element());
-    let channel = exact.to_array().iter().position(|x| *x == largest)?;
+    // By f64's numbers, not by what is to be judged.
+    if largest * exact_weight <= 1e-30 || largest <= 1e-30 {
+        return Ok(None);
+    }
+    let Some([plain, _]) = made.values else {
+        return Err(format!("{:?} refuses a path that carries {largest:.1e}", made.technique));
+    };
+    let channel = exact.to_array().iter().position(|x| *x == largest).unwrap_or(0);
     let contribution = f64::from(plain.to_array()[channel]) / largest - 1.0;
     let weight = made.weight() / exact_weight - 1.0;
-    let condition = condition(judge, path);
-    Some(Compared {
-        technique: made.technique,
-        contribution,
-        weight,
-        exact_weight,
-        value: largest * exact_weight,
-        condition,
-    })
+    let (condition, value) = (condition(judge, path), largest * exact_weight);
+    Ok(Some(Compared { technique: made.technique, contribution, weight, exact_weight, value, condition }))
 }
 
 /// Rays start off their surface by the error bound of its point, beyond which they cannot meet it again, and end on points
@@ -150,7 +160,7 @@ const STEP: f32 = 1e-4;
 fn slope(w: Vec3, density: f64, turned: impl Fn(Vec3) -> Option<f64>) -> f64 {
     let (a, b) = w.any_orthonormal_pair();
     let changes = [a, -a, b, -b].into_iter().filter_map(|t| Some((turned(t * STEP)? / density).ln().abs()));
-    changes.fold(0.0, f64::max) / f64::from(STEP)
+    changes.fold(0.0, super::worse) / f64::from(STEP)
 }
 
 /// How fast the density of a delta light's directions changes about the first edge; without bound at a spot's rim.
