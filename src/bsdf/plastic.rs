@@ -57,6 +57,11 @@ impl Plastic {
         Self { base: (base / (1.0 - mean)).to_array(), base_mean, ior, alpha, coat, two_sided }
     }
 
+    /// Roughness of the coat.
+    pub fn alpha(&self) -> f32 {
+        self.alpha
+    }
+
     /// Whether the coat is a delta lobe.
     pub fn is_smooth(&self) -> bool {
         self.coat.is_none()

@@ -8,7 +8,6 @@ use super::Judge;
 use super::densities::Densities;
 use super::paths::{FullPath, Inner};
 use crate::accel::Accel;
-use crate::bsdf::Bsdf;
 use crate::camera::LensNumbers;
 use crate::geometry::SurfacePoint;
 use crate::integrator::trace::{Arrived, Made, Step};
@@ -123,15 +122,8 @@ pub(super) fn condition<A: Accel>(judge: &Judge<'_, A>, path: &FullPath) -> f64 
         v if v == k => 1.0 + camera_slope(judge, path),
         v => {
             let inner = &path.inner[v - 1];
-            let alpha = match inner.bsdf {
-                _ if inner.delta => None,
-                Bsdf::Conductor(b) => Some(b.roughness.alpha),
-                Bsdf::RoughDielectric(b) => Some(b.roughness.alpha),
-                _ => None,
-            };
-            let lobe = alpha.map_or(0.0, |[a, b]| 2.0 / f64::from(a.min(b)));
             let cos = f64::from(inner.at.ng.dot(path.direction(v, to)).abs());
-            if inner.delta { 1.0 / (cos * cos) } else { 1.0 / cos + lobe }
+            if inner.delta { 1.0 / (cos * cos) } else { 1.0 / cos + inner.bsdf.steepness() }
         }
     };
     let edge = |i: usize| {
