@@ -441,3 +441,27 @@ fn no_ray_gets_out_between_slivers() {
     nothing_gets_out::<DefaultAccel>(&mut Random(8));
     nothing_gets_out::<BvhAccel>(&mut Random(9));
 }
+
+/// A point light from on a floor to just below it: to every technique it stands on the floor, or is hidden, within rounding, and
+/// to all of them alike.
+#[test]
+fn a_light_just_below_a_floor_is_hidden_from_all_techniques_or_from_none() {
+    let (mut lit, mut dark) = (0, 0);
+    for ulps in (0..64).step_by(3).chain([200, 1000]) {
+        let y = -1.0 - f64::from(ulps) * f64::from(f32::EPSILON);
+        let scene = scene(&room_with_light_at(y));
+        let [path, light, bdpt] = [Integrator::Path, Integrator::Light, Integrator::Bdpt]
+            .map(|integrator| render_once(&scene, settings(integrator, 1), 64, None).image.mean()[0]);
+        if path == 0.0 {
+            assert!(light == 0.0 && bdpt == 0.0, "{ulps} ulps: {light} {bdpt}");
+            dark += 1;
+        } else {
+            assert!(
+                (light / path - 1.0).abs() < 0.03 && (bdpt / path - 1.0).abs() < 0.03,
+                "{ulps} ulps: {path} {light} {bdpt}"
+            );
+            lit += 1;
+        }
+    }
+    assert!(lit > 3 && dark > 3, "{lit} {dark}");
+}

@@ -193,7 +193,7 @@ impl<A: Accel> Page<'_, A> {
                 line(out, 0, "");
                 line(out, 0, "camera subpath");
                 line(out, 2, format!("z1 camera at {} toward {}", self.place(*from), direction(*toward)));
-                line(out, 5, format!("density {} of the direction, in all pixels", number(*pdf)));
+                line(out, 5, format!("density {} of the direction, by one sample of each pixel", number(*pdf)));
             }
             Step::Light { light, pmf, point, toward, pdf_position, pdf_direction, le } => {
                 line(out, 0, "");
@@ -203,7 +203,7 @@ impl<A: Accel> Page<'_, A> {
                     out,
                     5,
                     format!(
-                        "chosen with probability {}, the point with density {}",
+                        "chosen with probability {}, with which the point has density {}",
                         number(*pmf),
                         number(*pdf_position)
                     ),

@@ -24,13 +24,18 @@ impl DeltaPlace {
         reach(self.p, 0.0)
     }
 
-    /// The point moved towards the unit vector `w` by what the traversal of a segment of this length may be off, so that a
-    /// surface it stands on does not hide it; and off the surface that it is known to stand on, by the same to the side of
-    /// `w`: along `w` alone, directions within 1/1000 of the surface would stay on it, and be lost or seen on both sides.
+    /// Where a segment of this length that leaves along the unit vector `w` starts, or ends: at the point, where it stands
+    /// free. Off a surface that it stands on, which would hide it, by what the traversal may be off, to the side of `w`; and
+    /// along `w` by the same, for another surface beside that one, in a corner. (Along `w` alone, directions within 1/1000 of a
+    /// surface would stay on it, and be lost or seen on both sides.)
     #[inline]
     fn beside(&self, w: Vec3, length: f32) -> Vec3 {
+        if self.on == Vec3::ZERO {
+            return self.p;
+        }
         let by = reach(self.p, length);
-        self.p + w * by + self.on * by.copysign(self.on.dot(w))
+        // Twice: the point may itself be as far on the other side.
+        self.p + w * by + self.on * (2.0 * by).copysign(self.on.dot(w))
     }
 }
 

@@ -95,9 +95,17 @@ fn surface_below<A: Accel>(accel: &A, geometry: &Geometry, place: &DeltaPlace) -
     // No plane is missed by all three: one of them comes to within a factor of √3 of its normal.
     let found = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().find_map(|axis| {
         let reach = axis * (4.0 * tolerance);
-        let ray = Ray::segment(place.p - reach, place.p + reach);
-        let at = geometry.surface_point(&ray, &accel.intersect(&ray)?);
-        (at.ng.dot(at.p() - place.p).abs() <= tolerance).then_some(at.ng)
+        let mut ray = Ray::segment(place.p - reach, place.p + reach);
+        // Others may lie before it.
+        for _ in 0..8 {
+            let hit = accel.intersect(&ray)?;
+            let at = geometry.surface_point(&ray, &hit);
+            if at.ng.dot(at.p() - place.p).abs() <= tolerance {
+                return Some(at.ng);
+            }
+            ray.tmin = next_up(hit.t);
+        }
+        None
     });
     found.unwrap_or(Vec3::ZERO)
 }

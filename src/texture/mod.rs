@@ -159,9 +159,7 @@ impl Texture {
         match self {
             Self::Constant(_) | Self::Image(_) => false,
             Self::Checker(c) => {
-                // Of scale 0 the sine is zero everywhere: no plane is to blame.
-                let here = (c.scale[axis] * value).sin().abs() <= c.scale[axis].abs() * error;
-                (here && c.scale[axis] != 0.0)
+                (c.scale[axis] * value).sin().abs() <= c.scale[axis].abs() * error
                     || c.even.is_even_in_plane(axis, value, error)
                     || c.odd.is_even_in_plane(axis, value, error)
             }

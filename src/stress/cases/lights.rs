@@ -69,7 +69,7 @@ fn delta_points(all: &mut Vec<Case>) {
     let above = delta_toward([at[0], -1.0 + 1e-4, at[2]], [at[0], 1.0, at[2]], [0.0, 0.0, 1.0], up);
     let what = "a point of light on the floor, against the upper half of one just above it";
     let case = Case::new("point on the floor", what, lit(vec![delta(at, point(1.0))]), same(vec![above], 1.0));
-    all.push(case.closed().samples(64).within(0.01));
+    all.push(case.closed().samples(64).within(0.02));
     let spot = |inner: f64, outer: f64| {
         let light = json!({ "type": "spot light", "emit": 1, "inner_angle": inner, "outer_angle": outer });
         lit(vec![delta_toward(PLACE, [PLACE[0], -1.0, PLACE[2]], [0.0, 0.0, 1.0], light)])
