@@ -13,7 +13,7 @@ use crate::geometry::SurfacePoint;
 use crate::integrator::trace::{Arrived, Made, Step};
 use crate::integrator::{Integrator, PixelSample, Recorder, SampleLoop, Settings, Technique};
 use crate::light::LightPoint;
-use crate::math::Vec3;
+use crate::math::{Vec3, distance_squared};
 
 /// A path that a sample made, judged.
 #[derive(Clone, Copy, Debug)]
@@ -140,7 +140,9 @@ pub(super) fn condition<A: Accel>(judge: &Judge<'_, A>, path: &FullPath) -> f64 
             (v, _) => start(&path.inner[v - 1].at, to, v),
         };
         let off = f64::from(f32::EPSILON) * size + starts(i, i + 1).max(starts(i + 1, i));
-        off / path.distance_squared(judge.scene, i).sqrt() * (at_end(i, i + 1) + at_end(i + 1, i))
+        // The points' own distance: that of parallel rays' edges is 1 in the densities.
+        let length = distance_squared(path.point(i), path.point(i + 1)).sqrt();
+        off / length * (at_end(i, i + 1) + at_end(i + 1, i))
     };
     (0..k).map(edge).sum()
 }
