@@ -39,17 +39,19 @@ fn contributions_and_weights_are_those_of_f64_but_for_the_rounding_of_points() {
     let mut sky = everything();
     sky["lights"] = json!([{ "type": "constant", "radiance": 0.3 },
                            { "type": "directional", "direction": [0.3, -1, -0.5], "irradiance": 1 }]);
+    // Of a weight, how many times the condition: the power heuristic squares densities, which is two, and something for what the
+    // condition leaves out. Among many lamps that is more (3.01 measured), which is not explained yet.
     let scenes = [
-        ("area", of_file("reference/cornell_area.json")),
-        ("glossy", of_file("reference/cornell_glossy.json")),
-        ("glass", of_file("reference/cornell_glass.json")),
-        ("spot", of_file("reference/cornell_spot.json")),
-        ("many lamps", of_file("many-lamps/scene.json")),
-        ("everything", everything()),
-        ("everything through a lens", lens),
-        ("everything below a sky", sky),
+        ("area", of_file("reference/cornell_area.json"), 3.0),
+        ("glossy", of_file("reference/cornell_glossy.json"), 3.0),
+        ("glass", of_file("reference/cornell_glass.json"), 3.0),
+        ("spot", of_file("reference/cornell_spot.json"), 3.0),
+        ("many lamps", of_file("many-lamps/scene.json"), 4.0),
+        ("everything", everything(), 3.0),
+        ("everything through a lens", lens, 3.0),
+        ("everything below a sky", sky, 3.0),
     ];
-    for (name, scene) in scenes {
+    for (name, scene, times) in scenes {
         let found = judged(&scene, settings(Integrator::Bdpt, 8));
         println!("{name}:\n{}", found.text());
         assert!(found.paths() > 2000, "{name}: {} paths", found.paths());
@@ -59,14 +61,12 @@ fn contributions_and_weights_are_those_of_f64_but_for_the_rounding_of_points() {
         // The rounding of an f32 product is 6e-8 for each of some ten factors.
         let [sum, sizes] = found.image();
         assert!(sum.abs() < 1e-6 && sizes < 1e-5, "{name}: the image is off by {sum:.1e}, its parts by {sizes:.1e}");
-        // The power heuristic squares densities: twice the condition, and something for what that leaves out (3.0 among many
-        // lamps, below 2 elsewhere).
         assert!(found.faults().is_empty(), "{name}: {:?}", found.faults());
         let (unbounded, largest) = found.unbounded();
         assert!(unbounded * 1000 < found.paths() && largest < 0.1, "{name}: {unbounded} off by {largest}");
         let [contribution, weight] = found.worst_over_condition();
-        assert!(contribution < 1.5, "{name}: {contribution} times the condition");
-        assert!(weight < 4.0, "{name}: {weight} times the condition");
+        assert!(contribution < 1.0, "{name}: {contribution} times the condition");
+        assert!(weight < times, "{name}: {weight} times the condition");
     }
 }
 
