@@ -7,6 +7,7 @@
 
 #![no_std]
 
+// What bindgen makes of C headers has their names, and no documentation.
 #[allow(
     missing_docs,
     non_camel_case_types,
