@@ -129,6 +129,9 @@ pub struct RenderArgs {
         value_parser = whole(1, 64)
     )]
     pub pyramid_edges: Option<u32>,
+    /// Say what is skipped and, of auto, which techniques it has chosen and why
+    #[arg(long, conflicts_with = "trace")]
+    pub explain: bool,
     /// Replay one sample and print every vertex, density and weight of it, for this pixel; no file is written
     #[arg(long, requires = "pixel")]
     pub trace: bool,

@@ -4,6 +4,7 @@ mod args;
 mod available;
 mod compare;
 mod convert;
+mod explain;
 mod info;
 mod memory;
 mod precision;

@@ -9,13 +9,13 @@ use super::progress::{Reporter, duration};
 use super::settings::{
     black_technique, departures, idle_options, missing, name, override_desc, pyramid_edges, settings,
 };
-use super::{Failure, memory, print, pyramid, same_file, stats, status, tell, trace};
+use super::{Failure, explain, memory, print, pyramid, same_file, stats, status, tell, trace};
 use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
 use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
 use crate::import::{self, ImportError};
-use crate::integrator::{Crop, Settings};
+use crate::integrator::{Crop, Integrator, Settings};
 use crate::output::{self, Format, Metadata, Window};
 use crate::render::{Aov, AovJob, Extras, RenderJob, Rendered, render_with};
 use crate::scene::desc::{IntegratorKind, SceneDesc};
@@ -260,6 +260,9 @@ impl Run<'_> {
                 None => print(&text),
             }
         }
+        if args.explain {
+            print(&explain::page(&self.settings, rendered.plan.as_ref(), &scene.needs));
+        }
         self.summary(&rendered, &phases);
         if let Some(line) = pyramid {
             say(args, &line);
@@ -278,7 +281,7 @@ impl Run<'_> {
         }
         parts.push(format!("{} spp", self.desc.samples));
         parts.push(match self.desc.integrator.kind {
-            IntegratorKind::Auto => format!("auto = {integrator}"),
+            IntegratorKind::Auto if self.settings.integrator != Integrator::Auto => format!("auto = {integrator}"),
             _ => integrator.to_owned(),
         });
         parts.extend(departures(&self.settings));

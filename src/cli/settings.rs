@@ -5,7 +5,7 @@
 
 use super::Failure;
 use super::args::{RenderArgs, Size};
-use crate::integrator::{Integrator, PathClass, Settings, Technique};
+use crate::integrator::{Integrator, PathClass, Settings, SplatConfidence, Technique};
 use crate::light::Light;
 use crate::scene::Prepared;
 use crate::scene::desc::{Heuristic, IntegratorKind, SceneDesc};
@@ -47,6 +47,7 @@ pub fn name(integrator: Integrator) -> &'static str {
         Integrator::Path => "path",
         Integrator::Light => "light",
         Integrator::Bdpt => "bdpt",
+        Integrator::Auto => "auto",
     }
 }
 
@@ -60,7 +61,13 @@ pub fn pyramid_edges(args: &RenderArgs) -> Option<u32> {
 /// # Errors
 /// Options that contradict each other, that the integrator has no use for, or that leave it nothing to do.
 pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure> {
-    let integrator = integrator(desc);
+    let integrator = match integrator(desc) {
+        // Whoever asks for subpaths or techniques by number asks for the estimator that has them all.
+        Integrator::Auto if args.light_paths.or(args.connections).is_some() || args.technique.is_some() => {
+            Integrator::Bdpt
+        }
+        other => other,
+    };
     check_subpaths(integrator, args)?;
     // What is not done is told as 0, in the metadata too.
     let (light_paths, connections) = usual_subpaths(integrator);
@@ -73,6 +80,8 @@ pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure
         heuristic: desc.integrator.heuristic,
         light_paths,
         connections: args.connections.unwrap_or(connections).min(light_paths),
+        light_one_in: 1,
+        splat_confidence: SplatConfidence::default(),
         sampler: desc.sampler.kind,
         seed: desc.sampler.seed,
         weighted: !args.unweighted,
@@ -88,7 +97,8 @@ pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure
 /// What the scene, or the command line over it, renders by.
 pub fn integrator(desc: &SceneDesc) -> Integrator {
     match desc.integrator.kind {
-        IntegratorKind::Auto | IntegratorKind::Bdpt => Integrator::Bdpt,
+        IntegratorKind::Auto => Integrator::Auto,
+        IntegratorKind::Bdpt => Integrator::Bdpt,
         IntegratorKind::Path => Integrator::Path,
         IntegratorKind::Light => Integrator::Light,
     }
@@ -99,7 +109,7 @@ pub fn usual_subpaths(integrator: Integrator) -> (u32, u32) {
     match integrator {
         Integrator::Path => (0, 0),
         Integrator::Light => (1, 0),
-        Integrator::Bdpt => (1, 1),
+        Integrator::Bdpt | Integrator::Auto => (1, 1),
     }
 }
 
@@ -134,7 +144,7 @@ fn check_technique(t: Technique, settings: &Settings) -> Result<(), Failure> {
     let makes = match settings.integrator {
         Integrator::Path => t.s <= 1 && t.t >= 2,
         Integrator::Light => t.t == 1,
-        Integrator::Bdpt => true,
+        Integrator::Bdpt | Integrator::Auto => true,
     };
     if !makes {
         let integrator = name(settings.integrator);
@@ -235,7 +245,7 @@ pub fn missing(integrator: Integrator, light_paths: u32, prepared: &Prepared) ->
              those that are not seen in mirrors or through smooth glass",
         ],
         Integrator::Path => Vec::new(),
-        Integrator::Bdpt => needs.missing(),
+        Integrator::Bdpt | Integrator::Auto => needs.missing(),
     }
 }
 

@@ -80,5 +80,6 @@ pub fn json(job: &RenderJob, desc: &SceneDesc, accel: &str, rendered: &Rendered,
         },
         "non_finite": {"count": rendered.rejected, "first": first},
         "overflows": rendered.overflows,
+        "plan": rendered.plan.as_ref().map(super::explain::json),
     })
 }

@@ -10,6 +10,7 @@ use crate::integrator::trace::{Arrived, End, Made, Step};
 use crate::integrator::{Crop, PixelSample, Recorder, SampleLoop, Settings};
 use crate::light::{Light, LightPoint};
 use crate::math::{DVec3, Rgb, Vec3};
+use crate::render::made_by;
 use crate::scene::desc::{Place, SceneDesc, ShapeDesc};
 use crate::scene::{Prepared, Scene};
 
@@ -75,7 +76,8 @@ pub fn run<A: Accel>(
     let (center, scale) = (prepared.center, prepared.scale);
     let scene: Scene<A> = Scene::build(prepared, AccelOptions::default()).map_err(Failure::other)?;
     let mut recorder = Recorder::traced(Crop::full(scene.camera.resolution()));
-    SampleLoop::new(&scene, settings).sample(sample, &mut recorder);
+    let (made_by, thresholds) = made_by(&scene, &settings, sample.index).map_err(Failure::other)?;
+    SampleLoop::thrifty(&scene, made_by, thresholds).sample(sample, &mut recorder);
     let page = Page { scene: &scene, names, center, scale };
     let mut out = page.heading(scene_name, settings, sample);
     let (mut camera, mut subpaths) = (true, 0);

@@ -1,6 +1,7 @@
 //! Path tracing: camera subpaths with next-event estimation and BSDF sampling, combined by MIS.
 
 use super::trace::{Arrived, End, Made, Step};
+use super::worth::{RayRoulette, Thresholds};
 use super::{PixelSample, Recorder, Settings, Technique};
 use crate::accel::Accel;
 use crate::bsdf::{Bsdf, Transport};
@@ -89,12 +90,15 @@ fn made(s: u32, t: u32, light: u32, values: Option<[Rgb; 2]>, visible: f32) -> S
 pub(super) fn sample<A: Accel, const T: bool>(
     scene: &Scene<A>,
     settings: &Settings,
+    thresholds: Option<&Thresholds>,
     sample: PixelSample,
     recorder: &mut Recorder<T>,
 ) {
     let pixel_key = sample.key(scene.camera.resolution());
     let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel_key, Stream::Camera, sample.index);
     let mut coins = sampler.coins();
+    let mut ray_roulette = RayRoulette::new(&sampler);
+    ray_roulette.turn_to(thresholds, sample.pixel);
     recorder.begin(sample.pixel, sample.index);
     recorder.rays.camera_paths += 1;
     if !scene.needs.light {
@@ -187,18 +191,19 @@ pub(super) fn sample<A: Accel, const T: bool>(
                 let le = light.emitted(&y.point, -wi);
                 let value = if le == Rgb::ZERO { None } else { bsdf.eval(at, wo, wi, Transport::Radiance) };
                 if let Some(value) = value {
-                    let visible = scene.visibility(&y.point.shadow_ray(at), &mut recorder.rays.shadow);
                     let pdf_light = y.pdf.0 * d2;
                     // Densities at the light, both multiplied by d²/cos to stay finite as d shrinks.
-                    let w = || match light.is_delta() {
+                    let w = match light.is_delta() {
                         true => 1.0,
                         false => weight(settings, pdf_light, f64::from(value.pdf_fwd.0) * cos),
                     };
-                    let weighted =
-                        |w: f32, visible: f32| scaled(beta * value.f, le, cos / pdf_light * f64::from(w * visible));
-                    recorder.tell(|| made(1, t, id, Some([weighted(1.0, 1.0), weighted(w(), 1.0)]), visible));
+                    let weighted = |w: f32| scaled(beta * value.f, le, cos / pdf_light * f64::from(w));
+                    let contribution = weighted(w);
+                    let visible = ray_roulette
+                        .visible(contribution, || scene.visibility(&y.point.shadow_ray(at), &mut recorder.rays.shadow));
+                    recorder.tell(|| made(1, t, id, Some([weighted(1.0), contribution]), visible));
                     if visible > 0.0 {
-                        recorder.add(1, t, weighted(w(), visible));
+                        recorder.add(1, t, contribution * visible);
                     }
                 } else {
                     recorder.tell(|| made(1, t, id, None, 0.0));

@@ -3,6 +3,7 @@
 use crate::math::Rgb;
 
 use super::Crop;
+use super::bdpt::CANDIDATES;
 use super::trace::Step;
 
 /// A sampling technique: `s` light vertices, `t` camera vertices (the camera's own included).
@@ -23,6 +24,21 @@ pub struct Contribution {
     pub value: Rgb,
     /// How it was made.
     pub technique: Technique,
+}
+
+/// A contribution as a survey sees it: with the sums that several sets of sample counts make of its path's densities.
+#[derive(Clone, Copy, Debug)]
+pub struct Noted {
+    /// How it was made.
+    pub technique: Technique,
+    /// The pixel it went to, if not the sample's own.
+    pub splat: Option<[u32; 2]>,
+    /// What it added to the pixel's sum.
+    pub value: Rgb,
+    /// `h` of the technique's own number of samples.
+    pub own: [f64; CANDIDATES],
+    /// Σ h(n_j p_j)/h(p_s) over the other techniques.
+    pub others: [f64; CANDIDATES],
 }
 
 /// A contribution that was not finite and was kept from the film, with what makes it again.
@@ -96,6 +112,7 @@ pub struct Recorder<const TRACED: bool = false> {
     rejected_count: u64,
     rejected: Vec<Rejected>,
     steps: Vec<Step>,
+    noted: Vec<Noted>,
 }
 
 impl Recorder {
@@ -130,6 +147,7 @@ impl<const TRACED: bool> Recorder<TRACED> {
             rejected_count: 0,
             rejected: Vec::new(),
             steps: Vec::new(),
+            noted: Vec::new(),
         }
     }
 
@@ -180,6 +198,17 @@ impl<const TRACED: bool> Recorder<TRACED> {
         }
     }
 
+    /// Keeps a contribution for a survey.
+    #[inline]
+    pub fn note(&mut self, noted: Noted) {
+        self.noted.push(noted);
+    }
+
+    /// What was noted since it was last taken.
+    pub fn take_notes(&mut self) -> std::vec::Drain<'_, Noted> {
+        self.noted.drain(..)
+    }
+
     #[cold]
     fn reject(&mut self, technique: Technique) {
         self.rejected_count += 1;
@@ -211,6 +240,7 @@ impl<const TRACED: bool> Recorder<TRACED> {
             list.clear();
         }
         self.steps.clear();
+        self.noted.clear();
     }
 
     /// Forgets contributions and counts.

@@ -2,11 +2,14 @@
 //! result does not depend on how it was scheduled is the film's.
 
 mod aov;
+mod auto;
 
 pub use aov::{Aov, AovJob, FIRST_SURFACE_BYTES};
+pub use auto::made_by;
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
@@ -15,7 +18,11 @@ use rayon::prelude::*;
 
 use crate::accel::Accel;
 use crate::film::{Accumulator, Image, Quanta, Squares, VarianceFilm};
-use crate::integrator::{Contribution, Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
+use crate::integrator::auto::Plan;
+use crate::integrator::bdpt::Sums;
+use crate::integrator::{
+    Contribution, Crop, Integrator, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique,
+};
 use crate::light::Light;
 use crate::planted::{Bug, planted};
 use crate::scene::Scene;
@@ -54,6 +61,8 @@ pub struct Rendered {
     pub overflows: u64,
     /// Whether the render was stopped before its last sample; the image is then not the job's.
     pub stopped: bool,
+    /// What `auto` went by after its pilot.
+    pub plan: Option<Plan>,
 }
 
 /// How far a render is.
@@ -124,8 +133,8 @@ pub fn render_with<A: Accel>(
     let pool = pool(job.threads)?;
     let mut run = Run::new(scene, job, progress);
     run.spread = extras.variance.then(|| VarianceFilm::new(job.crop.width(), job.crop.height(), run.emission));
-    pool.install(|| run.all());
-    Ok(run.finish())
+    let plan = pool.install(|| run.all());
+    Ok(Rendered { plan, ..run.finish() })
 }
 
 /// Worker threads.
@@ -183,14 +192,41 @@ struct Task {
     pixels: Crop,
     first: u32,
     count: u32,
+    /// Pixels of the pass.
+    region: Crop,
+    /// Samples of all pixels once the render is done, as far as is known in this pass.
+    total: u64,
+}
+
+/// Looks at samples of the crop's pixels as they are made.
+trait Observe {
+    /// What it has to say of a task.
+    type Seen: Send;
+    /// A sample has been made, and its contributions are still with the recorder.
+    fn sample(&mut self, sample: PixelSample, recorder: &mut Recorder);
+    /// A task is done.
+    fn take(&mut self) -> Self::Seen;
+    /// Runs all tasks; what was seen, in their order.
+    fn collect(tasks: impl IndexedParallelIterator<Item = Self::Seen>) -> Vec<Self::Seen>;
+}
+
+/// Nobody looks.
+impl Observe for () {
+    type Seen = ();
+    #[inline(always)]
+    fn sample(&mut self, _: PixelSample, _: &mut Recorder) {}
+    #[inline(always)]
+    fn take(&mut self) {}
+    fn collect(tasks: impl IndexedParallelIterator<Item = ()>) -> Vec<()> {
+        tasks.for_each(|()| {});
+        Vec::new()
+    }
 }
 
 struct Run<'a, A> {
     scene: &'a Scene<A>,
     job: &'a RenderJob,
     progress: &'a (dyn Fn(Progress) -> bool + Sync),
-    /// Pixels whose samples are computed: the crop, or all where splats may come from anywhere.
-    region: Crop,
     film: Accumulator,
     emission: f32,
     spread: Option<VarianceFilm>,
@@ -223,12 +259,10 @@ impl Totals {
 impl<'a, A: Accel> Run<'a, A> {
     fn new(scene: &'a Scene<A>, job: &'a RenderJob, progress: &'a (dyn Fn(Progress) -> bool + Sync)) -> Self {
         let emission = scene.lights.iter().map(Light::brightness).fold(0.0, f32::max);
-        let splats = SampleLoop::new(scene, job.settings).splats();
         Self {
             scene,
             job,
             progress,
-            region: if splats { Crop::full(scene.camera.resolution()) } else { job.crop },
             film: Accumulator::new(job.crop.width(), job.crop.height(), emission),
             emission,
             spread: None,
@@ -241,33 +275,62 @@ impl<'a, A: Accel> Run<'a, A> {
         }
     }
 
-    fn all(&self) {
-        let region = self.region;
+    /// All samples; the plan, if one was made on the way.
+    fn all(&self) -> Option<Plan> {
+        let job = self.job;
+        if job.settings.integrator == Integrator::Auto {
+            return self.auto();
+        }
+        self.pass(0..job.samples, || SampleLoop::new(self.scene, job.settings), || ());
+        None
+    }
+
+    /// Pixels whose samples are computed: the crop, or all where splats may come from anywhere.
+    fn region<S: Sums>(&self, loops: &SampleLoop<'_, A, S>) -> Crop {
+        if loops.splats() { Crop::full(self.scene.camera.resolution()) } else { self.job.crop }
+    }
+
+    /// A range of each pixel's samples; what `observe`d them, once per task, in the tasks' order.
+    fn pass<S: Sums, O: Observe>(
+        &self,
+        samples: Range<u32>,
+        loops: impl Fn() -> SampleLoop<'a, A, S> + Sync,
+        observer: impl Fn() -> O + Sync,
+    ) -> Vec<O::Seen> {
+        let region = self.region(&loops());
         let columns = u64::from(region.width().div_ceil(TILE));
         let tiles = columns * u64::from(region.height().div_ceil(TILE));
-        let ranges = u64::from(self.job.samples.div_ceil(TASK_SAMPLES));
+        let ranges = u64::from((samples.end - samples.start).div_ceil(TASK_SAMPLES));
+        let total = region.pixels() * u64::from(self.job.samples - samples.start);
+        let total = self.done.load(Ordering::Relaxed) + total;
         // Tasks are made from their number when they are run: a list of them could outgrow the image.
         let task = |number: u64| {
             let (range, tile) = (number / tiles, number % tiles);
-            let first = range as u32 * TASK_SAMPLES;
+            let first = samples.start + range as u32 * TASK_SAMPLES;
             let (x, y) = (region.x0 + (tile % columns) as u32 * TILE, region.y0 + (tile / columns) as u32 * TILE);
             let pixels = Crop { x0: x, y0: y, x1: region.x1.min(x + TILE), y1: region.y1.min(y + TILE) };
-            Task { pixels, first, count: TASK_SAMPLES.min(self.job.samples - first) }
+            Task { pixels, first, count: TASK_SAMPLES.min(samples.end - first), region, total }
         };
-        (0..tiles * ranges).into_par_iter().for_each_init(
-            || {
-                let recorder = Recorder::new(self.job.crop, self.job.pyramid.is_some());
-                (SampleLoop::new(self.scene, self.job.settings), recorder)
-            },
-            |(integrator, recorder), number| {
+        // Of 2³² tasks the image alone would be larger than memory.
+        let tasks = (0..(tiles * ranges) as usize).into_par_iter().map_init(
+            || (loops(), Recorder::new(self.job.crop, self.job.pyramid.is_some()), observer()),
+            |(integrator, recorder, observer), number| {
                 if !self.stopped.load(Ordering::Relaxed) {
-                    self.run(&task(number), integrator, recorder);
+                    self.run(&task(number as u64), integrator, recorder, observer);
                 }
+                observer.take()
             },
         );
+        O::collect(tasks)
     }
 
-    fn run(&self, task: &Task, integrator: &mut SampleLoop<'_, A>, recorder: &mut Recorder) {
+    fn run<S: Sums, O: Observe>(
+        &self,
+        task: &Task,
+        integrator: &mut SampleLoop<'_, A, S>,
+        recorder: &mut Recorder,
+        observer: &mut O,
+    ) {
         let crop = self.job.crop;
         recorder.reset();
         for y in task.pixels.y0..task.pixels.y1 {
@@ -278,6 +341,7 @@ impl<'a, A: Accel> Run<'a, A> {
                     let mut squares = Squares::default();
                     for sample in samples {
                         integrator.sample(sample, recorder);
+                        observer.sample(sample, recorder);
                         let quanta = self.film.quantize(recorder.radiance());
                         sum += quanta;
                         if self.spread.is_some() {
@@ -292,7 +356,7 @@ impl<'a, A: Accel> Run<'a, A> {
                 } else {
                     samples.for_each(|sample| integrator.sample_splats(sample, recorder));
                 }
-                let share = || crop.pixels() as f32 / self.region.pixels() as f32;
+                let share = || crop.pixels() as f32 / task.region.pixels() as f32;
                 let count = if planted(Bug::SplatCountOfCrop) { share() } else { 1.0 };
                 for splats in recorder.splats().chunks(SPLATS_TOUCHED) {
                     self.film.touch(splats.iter().map(|splat| splat.pixel as usize));
@@ -317,9 +381,8 @@ impl<'a, A: Accel> Run<'a, A> {
             totals.rejected += count;
             totals.keep(first);
         }
-        let total = self.region.pixels() * u64::from(self.job.samples);
         let seconds = self.start.elapsed().as_secs_f64();
-        if !(self.progress)(Progress { done, total, rays, seconds }) {
+        if !(self.progress)(Progress { done, total: task.total, rays, seconds }) {
             self.stopped.store(true, Ordering::Relaxed);
         }
     }
@@ -336,6 +399,7 @@ impl<'a, A: Accel> Run<'a, A> {
             rejected_first: totals.rejected_first,
             overflows: self.film.overflows(),
             stopped: self.stopped.load(Ordering::Relaxed),
+            plan: None,
         }
     }
 }

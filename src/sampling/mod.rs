@@ -6,6 +6,7 @@ mod spherical;
 pub mod warp;
 
 pub use alias::AliasTable;
+pub(crate) use sampler::mix;
 pub use sampler::{Coins, Sampler, SamplerKind, Stream};
 pub use spherical::{SphereCone, SphericalRectangle, SphericalTriangle};
 

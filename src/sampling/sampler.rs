@@ -53,6 +53,12 @@ impl Sampler {
         Coins { state: self.key ^ u64::from(self.index).wrapping_mul(0xda94_2042_e4dd_58b5) }
     }
 
+    /// Other coins than those: for decisions that must leave what `coins` decides where it is.
+    #[inline]
+    pub fn more_coins(&self) -> Coins {
+        Coins { state: !self.coins().state }
+    }
+
     /// Moves to a dimension: a bounce always starts at the same one, whatever the bounces before it consumed.
     #[inline]
     pub fn set_dimension(&mut self, dimension: u32) {
@@ -154,7 +160,7 @@ impl Coins {
 
 /// Finaliser of SplitMix64 (Steele, Lea, Flood 2014; Stafford's variant 13).
 #[inline]
-fn mix(mut z: u64) -> u64 {
+pub(crate) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

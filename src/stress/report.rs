@@ -49,6 +49,7 @@ impl Row {
                 Integrator::Path => "path",
                 Integrator::Light => "light",
                 Integrator::Bdpt => "bdpt",
+                Integrator::Auto => "auto",
             },
             accelerator,
             mean: f64::NAN,

@@ -91,8 +91,8 @@ fn the_first_line_says_what_is_rendered_by_what() {
     let default = format!("{processors} thread{}", if processors.get() == 1 { "" } else { "s" });
     for (args, start) in [
         ("room.json --threads 1", "room.json: 16 × 12 pixels, 4 spp, bdpt, 1 thread, "),
-        ("room.json --integrator auto --threads 2", "room.json: 16 × 12 pixels, 4 spp, auto = bdpt, 2 threads, "),
-        ("auto.json --spp 3", &format!("auto.json: 16 × 12 pixels, 3 spp, auto = bdpt, {default}, ")),
+        ("room.json --integrator auto --threads 2", "room.json: 16 × 12 pixels, 4 spp, auto, 2 threads, "),
+        ("auto.json --spp 3", &format!("auto.json: 16 × 12 pixels, 3 spp, auto, {default}, ")),
         (
             "auto.json --integrator path --crop 1,2,16,12 --threads 1",
             "auto.json: 16 × 12 pixels, of these 1,2 to 16,12, 4 spp, path, 1 thread, ",

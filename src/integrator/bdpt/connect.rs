@@ -3,6 +3,7 @@
 //! Every one of them multiplies what the two subpaths carry, the BSDFs (with their cosines) at the joined vertices
 //! and the weight over distance², and asks for visibility last.
 
+use super::sums::Sums;
 use super::{Bdpt, Partial, Vertex};
 use crate::accel::Accel;
 use crate::bsdf::Transport;
@@ -10,7 +11,9 @@ use crate::camera::{CameraSample, LensNumbers};
 use crate::geometry::SurfacePoint;
 use crate::integrator::light::lens_numbers;
 use crate::integrator::path::sample_light;
+use crate::integrator::recorder::Noted;
 use crate::integrator::trace::{Made, Step};
+use crate::integrator::worth::RayRoulette;
 use crate::integrator::{Recorder, Technique};
 use crate::light::{Light, LightEdge, LightPoint, Receiver};
 use crate::math::{Ray, Rgb, Vec3, distance_squared, scaled};
@@ -21,7 +24,7 @@ use crate::scene::Scene;
 
 /// A camera subpath that has come upon a light.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct EmitterHit {
+pub(super) struct EmitterHit<S = f64> {
     /// The point of the light.
     pub point: LightPoint,
     /// Unit direction to the previous vertex, and that vertex as next-event estimation sees it.
@@ -29,13 +32,22 @@ pub(super) struct EmitterHit {
     pub receiver: Receiver,
     /// Throughput and partial sums of the subpath up to the light.
     pub beta: Rgb,
-    pub partial: Partial,
+    pub partial: Partial<S>,
     /// Number of vertices of the subpath, the light's included.
     pub number: u32,
 }
 
+/// What a technique makes of a path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Valued<S = f64> {
+    /// The contribution, weighted, visibility left out.
+    pub value: Rgb,
+    /// Σ h(n_j p_j)/h(p_s) over the other techniques j: the technique's own count is left out.
+    pub others: S,
+}
+
 /// What a camera vertex shines with toward the camera: no connection's business, unless by a planted bug.
-fn emission<A: Accel>(scene: &Scene<A>, z: &Vertex) -> Rgb {
+fn emission<A: Accel, S: Sums>(scene: &Scene<A>, z: &Vertex<S>) -> Rgb {
     let light = scene.surfaces[z.at.surface() as usize].light;
     light.map_or(Rgb::ZERO, |id| z.beta * scene.lights[id as usize].emitted(&LightPoint::Surface(z.at), z.wo))
 }
@@ -53,16 +65,24 @@ fn made(
     Step::Made(Made { technique: Technique { s, t }, seen, light, values, visible })
 }
 
-impl Bdpt {
-    /// `h` of the number of samples of the technique in which camera vertex `number` would be the light's.
-    #[inline(always)]
-    fn count_behind_camera(&self, number: u32) -> f64 {
-        if number == 2 { self.mis.light_paths } else { self.mis.connections }
+/// For a survey: see `Noted`. Without sums of several sets of counts nothing is noted.
+#[inline(always)]
+fn note<S: Sums, const T: bool>(
+    recorder: &mut Recorder<T>,
+    technique: Technique,
+    splat: Option<[u32; 2]>,
+    value: Rgb,
+    [own, others]: [S; 2],
+) {
+    if let (Some(own), Some(others)) = (own.candidates(), others.candidates()) {
+        recorder.note(Noted { technique, splat, value, own: own.0, others: others.0 });
     }
+}
 
+impl<S: Sums> Bdpt<S> {
     /// `h` of the number of samples of the technique in which light vertex `number` would be the camera's.
     #[inline(always)]
-    fn count_behind_light(&self, number: u32) -> f64 {
+    fn count_behind_light(&self, number: u32) -> S {
         if number == 2 { self.mis.next_event } else { self.mis.connections }
     }
 
@@ -72,7 +92,7 @@ impl Bdpt {
         &self,
         scene: &Scene<A>,
         id: u32,
-        hit: &EmitterHit,
+        hit: &EmitterHit<S>,
         recorder: &mut Recorder<T>,
     ) {
         let (Some(choice), true) = (&scene.light_choice, self.settings.wants(0, hit.number)) else { return };
@@ -81,35 +101,43 @@ impl Bdpt {
             return;
         }
         let pmf = choice.pmf_emission(id);
-        let value = self.evaluate_emitter(scene, id, hit, pmf);
+        let Valued { value, others } = self.evaluate_emitter(scene, id, hit, pmf);
         recorder.tell(|| {
-            let plain = self.unweighted().evaluate_emitter(scene, id, hit, pmf);
+            let plain = self.unweighted().evaluate_emitter(scene, id, hit, pmf).value;
             made(0, hit.number, None, Some(id), Some([plain, value]), 1.0)
         });
         recorder.add(0, hit.number, value);
+        note(recorder, Technique { s: 0, t: hit.number }, None, value, [S::splat(self.mis.h(1.0)), others]);
     }
 
     /// The weighted contribution of light `id` that a camera subpath has hit, chosen for emission with the probability
     /// `pmf`.
     #[inline]
-    pub(super) fn evaluate_emitter<A: Accel>(&self, scene: &Scene<A>, id: u32, hit: &EmitterHit, pmf: Pmf) -> Rgb {
+    pub(super) fn evaluate_emitter<A: Accel>(
+        &self,
+        scene: &Scene<A>,
+        id: u32,
+        hit: &EmitterHit<S>,
+        pmf: Pmf,
+    ) -> Valued<S> {
         let light = &scene.lights[id as usize];
-        let w = self.mis.weight(self.emitter_alternatives(scene, id, hit, pmf));
-        hit.beta * light.emitted(&hit.point, hit.wo) * w as f32
+        let others = self.emitter_alternatives(scene, id, hit, pmf);
+        let w = self.mis.weight(others.taken());
+        Valued { value: hit.beta * light.emitted(&hit.point, hit.wo) * w as f32, others }
     }
 
     /// Σ_{j>0} h(n_j p_j)/h(p_0) for a path whose emitter a camera subpath has hit.
     #[inline]
-    fn emitter_alternatives<A: Accel>(&self, scene: &Scene<A>, id: u32, hit: &EmitterHit, pmf: Pmf) -> f64 {
+    fn emitter_alternatives<A: Accel>(&self, scene: &Scene<A>, id: u32, hit: &EmitterHit<S>, pmf: Pmf) -> S {
         let EmitterHit { point, partial, .. } = hit;
         let light = &scene.lights[id as usize];
         let emission = (light.pdf_emission_position(&scene.geometry, point) * pmf).0;
         if hit.number == 2 {
             if light.is_infinite() || planted(Bug::LightSeenTwice) {
-                return 0.0;
+                return S::default();
             }
             // Seen directly: the one alternative, (1,1), starts as light subpaths do.
-            return self.mis.light_paths * self.mis.h(emission) * partial.direct;
+            return self.mis.splats(1) * self.mis.h(emission) * partial.direct;
         }
         // Behind a delta vertex or a window next-event estimation is no alternative, whatever its density.
         let direct = if planted(Bug::NoLightChoiceAtHits) {
@@ -121,7 +149,7 @@ impl Bdpt {
         };
         let direction = light.pdf_emission_direction(point, hit.wo).0;
         self.mis.next_event * self.mis.h(direct) * partial.direct
-            + self.mis.h(emission) * self.mis.h(direction) * partial.earlier
+            + self.mis.earlier(partial, hit.number - 1) * (self.mis.h(emission) * self.mis.h(direction))
     }
 
     /// s = 1: next-event estimation at camera vertex `z`; `block` is the first dimension of the bounce.
@@ -129,26 +157,31 @@ impl Bdpt {
     pub(super) fn connect_to_light<A: Accel, const T: bool>(
         &self,
         scene: &Scene<A>,
-        z: &Vertex,
+        z: &Vertex<S>,
         sampler: &mut Sampler,
         block: u32,
+        roulette: &mut RayRoulette,
         recorder: &mut Recorder<T>,
     ) {
         let (Some(choice), true) = (&scene.light_choice, self.settings.wants(1, z.number)) else { return };
         let Some((id, y)) = sample_light(scene, &z.receiver(), sampler, block) else { return };
         let (light, pmf) = (&scene.lights[id as usize], choice.pmf_emission(id));
         recorder.tell(|| Step::LightSampled { light: id, point: y.point, pdf: y.pdf.0 });
-        let Some(value) = self.evaluate_next_event(scene, light, &y.point, y.pdf.0, pmf, z) else {
+        let made_of = self.evaluate_next_event(scene, light, &y.point, y.pdf.0, pmf, z);
+        let Some(Valued { value, others }) = made_of else {
             recorder.tell(|| made(1, z.number, None, Some(id), None, 0.0));
             return;
         };
-        let visible = scene.visibility(&y.point.shadow_ray(&z.at), &mut recorder.rays.shadow);
+        let visible =
+            roulette.visible(value, || scene.visibility(&y.point.shadow_ray(&z.at), &mut recorder.rays.shadow));
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_next_event(scene, light, &y.point, y.pdf.0, pmf, z);
-            made(1, z.number, None, Some(id), plain.map(|plain| [plain, value]), visible)
+            made(1, z.number, None, Some(id), plain.map(|plain| [plain.value, value]), visible)
         });
         if visible > 0.0 {
             recorder.add(1, z.number, value * visible);
+            let own = S::splat(self.mis.h(1.0));
+            note(recorder, Technique { s: 1, t: z.number }, None, value * visible, [own, others]);
         }
     }
 
@@ -162,8 +195,8 @@ impl Bdpt {
         y: &LightPoint,
         pdf_direct: f64,
         pmf: Pmf,
-        z: &Vertex,
-    ) -> Option<Rgb> {
+        z: &Vertex<S>,
+    ) -> Option<Valued<S>> {
         let LightEdge { wi, d2, cos: cos_light } = y.edge_from(z.at.p())?;
         let le = light.emitted(y, -wi);
         if le == Rgb::ZERO || planted(Bug::DeltaLightUnconnected) && light.is_delta() {
@@ -178,10 +211,12 @@ impl Bdpt {
         let pmf = if planted(Bug::NoEmissionDensity) { Pmf(0.0) } else { pmf };
         let emission = (light.pdf_emission_position(&scene.geometry, y) * pmf).0;
         let direction = light.pdf_emission_direction(y, -wi).0;
-        let behind = mis.behind(&z.partial, self.count_behind_camera(z.number), f64::from(value.pdf_rev.0));
-        let started = mis.h(emission / pdf_direct * direction * cos_z) * behind;
-        let scale = cos_light / pdf_direct * mis.weight_over_d2((hit + started) / mis.next_event, d2);
-        Some(scaled(z.beta * value.f, le, scale))
+        let behind = mis.behind_camera(&z.partial, z.number, z.number, f64::from(value.pdf_rev.0));
+        let started = behind * mis.h(emission / pdf_direct * direction * cos_z);
+        let others = started + S::splat(hit);
+        let weight = mis.weight_over_d2(others.taken() / mis.next_event.taken(), d2);
+        let value = scaled(z.beta * value.f, le, cos_light / pdf_direct * weight);
+        Some(Valued { value, others: others * mis.h(1.0 / d2) })
     }
 
     /// s ≥ 2, t ≥ 2: camera vertex `z` with every kept vertex of the light subpaths it connects to.
@@ -189,7 +224,8 @@ impl Bdpt {
     pub(super) fn connect_to_subpaths<A: Accel, const T: bool>(
         &self,
         scene: &Scene<A>,
-        z: &Vertex,
+        z: &Vertex<S>,
+        roulette: &mut RayRoulette,
         recorder: &mut Recorder<T>,
     ) {
         // s + t − 2 scattering events.
@@ -198,27 +234,31 @@ impl Bdpt {
             if y.number + z.number > most || !self.settings.wants(y.number, z.number) {
                 continue;
             }
-            let Some(value) = self.evaluate_connection(y, z) else {
+            let Some(Valued { value, others }) = self.evaluate_connection(y, z) else {
                 recorder.tell(|| made(y.number, z.number, None, None, None, 0.0));
                 continue;
             };
-            let wi = y.at.p() - z.at.p();
-            let segment = Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()));
-            let visible = scene.visibility(&segment, &mut recorder.rays.connection);
+            let visible = roulette.visible(value, || {
+                let wi = y.at.p() - z.at.p();
+                let segment = Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()));
+                scene.visibility(&segment, &mut recorder.rays.connection)
+            });
             recorder.tell(|| {
                 let plain = self.unweighted().evaluate_connection(y, z);
-                made(y.number, z.number, None, None, plain.map(|plain| [plain, value]), visible)
+                made(y.number, z.number, None, None, plain.map(|plain| [plain.value, value]), visible)
             });
             if visible > 0.0 {
                 let value = if planted(Bug::EmissionInConnections) { value + emission(scene, z) } else { value };
                 recorder.add(y.number, z.number, value * visible);
+                let technique = Technique { s: y.number, t: z.number };
+                note(recorder, technique, None, value * visible, [self.mis.connections, others]);
             }
         }
     }
 
     /// The weighted contribution of a connection, visibility left out; `None` where it is zero.
     #[inline]
-    pub(super) fn evaluate_connection(&self, y: &Vertex, z: &Vertex) -> Option<Rgb> {
+    pub(super) fn evaluate_connection(&self, y: &Vertex<S>, z: &Vertex<S>) -> Option<Valued<S>> {
         let d2 = distance_squared(y.at.p(), z.at.p());
         // Two points on one place of the f32 lattice have no direction to each other.
         if d2 == 0.0 {
@@ -230,14 +270,16 @@ impl Bdpt {
         let (cos_y, cos_z) = (f64::from(wi.dot(y.at.ng).abs()), f64::from(wi.dot(z.at.ng).abs()));
         let mis = &self.mis;
         // Technique s−1 would find y from z, technique s+1 z from y; h(1/d²) is left out of both.
-        let light_side = mis.h(f64::from(at_z.pdf_fwd.0) * cos_y)
-            * mis.behind(&y.partial, self.count_behind_light(y.number), f64::from(at_y.pdf_rev.0));
-        let camera_side = mis.h(f64::from(at_y.pdf_fwd.0) * cos_z)
-            * mis.behind(&z.partial, self.count_behind_camera(z.number), f64::from(at_z.pdf_rev.0));
-        let others = (light_side + camera_side) / mis.connections;
+        let light_side = mis.behind(&y.partial, self.count_behind_light(y.number), f64::from(at_y.pdf_rev.0))
+            * mis.h(f64::from(at_z.pdf_fwd.0) * cos_y);
+        let edges = y.number + z.number - 1;
+        let camera_side = mis.behind_camera(&z.partial, z.number, edges, f64::from(at_z.pdf_rev.0))
+            * mis.h(f64::from(at_y.pdf_fwd.0) * cos_z);
+        let others = light_side + camera_side;
+        let weight = mis.weight_over_d2(others.taken() / mis.connections.taken(), d2);
         let again = if planted(Bug::CosineTwiceInConnections) { cos_y * cos_z } else { 1.0 };
-        let scale = again * mis.weight_over_d2(others, d2) / f64::from(self.connections);
-        Some(scaled(z.beta * at_z.f, at_y.f * y.beta, scale))
+        let value = scaled(z.beta * at_z.f, at_y.f * y.beta, again * weight / self.connections_per_sample);
+        Some(Valued { value, others: others * mis.h(1.0 / d2) })
     }
 
     /// t = 1, s ≥ 2: light vertex `y` seen by the camera.
@@ -245,25 +287,31 @@ impl Bdpt {
     pub(super) fn connect_to_camera<A: Accel, const T: bool>(
         &self,
         scene: &Scene<A>,
-        y: &Vertex,
+        y: &Vertex<S>,
         sampler: &mut Sampler,
+        roulette: &mut RayRoulette,
         recorder: &mut Recorder<T>,
     ) {
         if !self.settings.wants(y.number, 1) || planted(Bug::NoLightTracing) {
             return;
         }
         let numbers = lens_numbers(&scene.camera, sampler, y.number);
-        let Some((lens, value)) = self.evaluate_lens(scene, y, &numbers) else {
+        let Some((lens, Valued { value, others })) = self.evaluate_lens(scene, y, &numbers) else {
             recorder.tell(|| made(y.number, 1, None, None, None, 0.0));
             return;
         };
-        let visible = scene.visibility(&Ray::segment(y.at.origin(lens.wi), lens.p), &mut recorder.rays.lens);
+        roulette.turn_to(self.thresholds.as_deref(), lens.pixel);
+        let visible = roulette
+            .visible(value, || scene.visibility(&Ray::segment(y.at.origin(lens.wi), lens.p), &mut recorder.rays.lens));
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_lens(scene, y, &numbers);
-            made(y.number, 1, Some((lens.pixel, numbers)), None, plain.map(|(_, plain)| [plain, value]), visible)
+            let values = plain.map(|(_, plain)| [plain.value, value]);
+            made(y.number, 1, Some((lens.pixel, numbers)), None, values, visible)
         });
         if visible > 0.0 {
             recorder.splat(y.number, 1, lens.pixel, value * visible);
+            let technique = Technique { s: y.number, t: 1 };
+            note(recorder, technique, Some(lens.pixel), value * visible, [self.mis.splats(y.number), others]);
         }
     }
 
@@ -272,18 +320,20 @@ impl Bdpt {
     pub(super) fn evaluate_lens<A: Accel>(
         &self,
         scene: &Scene<A>,
-        y: &Vertex,
+        y: &Vertex<S>,
         numbers: &LensNumbers,
-    ) -> Option<(CameraSample, Rgb)> {
+    ) -> Option<(CameraSample, Valued<S>)> {
         let lens = scene.camera.sample_lens(y.at.p(), numbers)?;
         let value = y.bsdf.eval(&y.at, y.wo, lens.wi, Transport::Importance)?;
         let pdf_lens = lens.pdf.0;
         let cos = f64::from(lens.wi.dot(y.at.ng).abs());
         let behind = self.mis.behind(&y.partial, self.count_behind_light(y.number), f64::from(value.pdf_rev.0));
-        let others = self.mis.h(pdf_lens * cos) * behind / self.mis.light_paths;
+        let others = behind * self.mis.h(pdf_lens * cos);
+        let weight = self.mis.weight_over_d2(others.taken() / self.mis.splats(y.number).taken(), lens.d2);
         // F holds the cosine at y, and We·cosθ is the camera's density.
-        let scale = pdf_lens * self.mis.weight_over_d2(others, lens.d2) / self.light_paths_per_pass;
-        Some((lens, y.beta * value.f * scale as f32))
+        let scale = pdf_lens * weight / self.light_paths_per_pass;
+        let others = others * self.mis.h(1.0 / lens.d2);
+        Some((lens, Valued { value: y.beta * value.f * scale as f32, others }))
     }
 
     /// s = 1, t = 1: a point on an area light, seen by the camera.
@@ -301,17 +351,21 @@ impl Bdpt {
             return;
         }
         let numbers = lens_numbers(&scene.camera, sampler, 1);
-        let Some((lens, value)) = self.evaluate_light_in_lens(scene, light, y, pdf_position, &numbers) else {
+        let made_of = self.evaluate_light_in_lens(scene, light, y, pdf_position, &numbers);
+        let Some((lens, Valued { value, others })) = made_of else {
             recorder.tell(|| made(1, 1, None, None, None, 0.0));
             return;
         };
         let visible = scene.visibility(&Ray::segment(y.origin(lens.wi), lens.p), &mut recorder.rays.lens);
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_light_in_lens(scene, light, y, pdf_position, &numbers);
-            made(1, 1, Some((lens.pixel, numbers)), None, plain.map(|(_, plain)| [plain, value]), visible)
+            let values = plain.map(|(_, plain)| [plain.value, value]);
+            made(1, 1, Some((lens.pixel, numbers)), None, values, visible)
         });
         if visible > 0.0 {
             recorder.splat(1, 1, lens.pixel, value * visible);
+            let technique = Technique { s: 1, t: 1 };
+            note(recorder, technique, Some(lens.pixel), value * visible, [self.mis.splats(1), others]);
         }
     }
 
@@ -324,7 +378,7 @@ impl Bdpt {
         y: &SurfacePoint,
         pdf_position: f64,
         numbers: &LensNumbers,
-    ) -> Option<(CameraSample, Rgb)> {
+    ) -> Option<(CameraSample, Valued<S>)> {
         let lens = scene.camera.sample_lens(y.p(), numbers)?;
         let le = light.emitted(&LightPoint::Surface(*y), lens.wi);
         if le == Rgb::ZERO {
@@ -332,8 +386,9 @@ impl Bdpt {
         }
         let seen = lens.pdf.0 * f64::from(y.ng.dot(lens.wi).abs()) / pdf_position;
         // The one alternative is the camera ray that hits the light.
-        let others = self.mis.h(seen) / self.mis.light_paths;
-        let scale = seen * self.mis.weight_over_d2(others, lens.d2) / self.light_paths_per_pass;
-        Some((lens, le * scale as f32))
+        let others = self.mis.h(seen);
+        let weight = self.mis.weight_over_d2(others / self.mis.splats(1).taken(), lens.d2);
+        let value = le * (seen * weight / self.light_paths_per_pass) as f32;
+        Some((lens, Valued { value, others: S::splat(others * self.mis.h(1.0 / lens.d2)) }))
     }
 }

@@ -2,12 +2,14 @@
 
 use super::connect::EmitterHit;
 use super::mis::{Departure, LightStart};
+use super::sums::Sums;
 use super::{Bdpt, Vertex};
 use crate::accel::Accel;
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::integrator::light::dimensions as light_dimensions;
 use crate::integrator::path::{camera_ray, dimensions as camera_dimensions};
 use crate::integrator::trace::{Arrived, End, Step};
+use crate::integrator::worth::RayRoulette;
 use crate::integrator::{Recorder, Roulette};
 use crate::light::{LightPoint, Receiver};
 use crate::math::{Ray, Rgb, Vec3, distance_squared};
@@ -16,7 +18,7 @@ use crate::planted::{Bug, planted};
 use crate::sampling::Sampler;
 use crate::scene::{Reached, Scene};
 
-impl Bdpt {
+impl<S: Sums> Bdpt<S> {
     /// Traces a light subpath, connects its vertices to the camera and keeps those that can be connected to.
     pub(super) fn walk_light<A: Accel, const T: bool>(
         &mut self,
@@ -26,6 +28,7 @@ impl Bdpt {
     ) {
         let Some(choice) = &scene.light_choice else { return };
         let mut coins = sampler.coins();
+        let mut ray_roulette = RayRoulette::new(&sampler);
         recorder.rays.light_paths += 1;
         let (id, pmf) = choice.sample_emission(sampler.next_f64());
         let light = &scene.lights[id as usize];
@@ -53,7 +56,7 @@ impl Bdpt {
         let mut ray = Ray::new(emission.origin, emission.w);
         let mut from = ray.o;
         let mut varying = Bsdf::Black;
-        let mut departure: Option<Departure> = None;
+        let mut departure: Option<Departure<S>> = None;
         let mut number = 2;
         while number - 1 <= self.settings.max_bounces {
             let Some(arrival) = scene.arrive(ray, &mut coins, &mut recorder.rays.light, &mut varying) else {
@@ -105,10 +108,10 @@ impl Bdpt {
                 } else {
                     distance_squared(from, at.p())
                 };
-                Step::Arrived(Arrived { d2, ..Arrived::of(&arrival, wo, beta, number, Some(partial)) })
+                Step::Arrived(Arrived { d2, ..Arrived::of(&arrival, wo, beta, number, Some(partial.taken())) })
             });
             if vertex.bsdf.is_connectible() {
-                self.connect_to_camera(scene, &vertex, &mut sampler, recorder);
+                self.connect_to_camera(scene, &vertex, &mut sampler, &mut ray_roulette, recorder);
                 self.light_vertices.push(vertex);
             }
             let block = light_dimensions::START + (number - 2) * light_dimensions::BLOCK;
@@ -123,7 +126,7 @@ impl Bdpt {
             beta = thinned;
             // `direct` at vertex i stands for the technique with i light vertices.
             let count = if number == 2 { self.mis.next_event } else { self.mis.connections };
-            departure = Some(depart(&vertex, &next, count));
+            departure = Some(depart(&vertex, &next, [count, S::default()]));
             from = at.p();
             ray = Ray::new(at.origin(next.wi), next.wi);
             number += 1;
@@ -144,6 +147,8 @@ impl Bdpt {
             return;
         }
         let mut coins = sampler.coins();
+        let mut ray_roulette = RayRoulette::new(&sampler);
+        ray_roulette.turn_to(self.thresholds.as_deref(), pixel);
         let primary = camera_ray(&scene.camera, pixel, &mut sampler);
         let mut ray = primary.ray;
         recorder.tell(|| Step::Camera { from: ray.o, toward: ray.d, pdf: primary.pdf.0, lens: primary.lens });
@@ -151,7 +156,7 @@ impl Bdpt {
         let mut varying = Bsdf::Black;
         let mut beta = Rgb::ONE;
         let mut roulette = self.settings.roulette(beta);
-        let mut departure: Option<Departure> = None;
+        let mut departure: Option<Departure<S>> = None;
         let mut number = 2;
         loop {
             let wo = -ray.d;
@@ -192,7 +197,7 @@ impl Bdpt {
             let vertex = Vertex { at, wo, bsdf: *arrival.bsdf, beta, partial, number };
             recorder.tell(|| {
                 let d2 = if departure.is_none() { scene.camera.edge_d2(from, at.p()) } else { d2 };
-                Step::Arrived(Arrived { d2, ..Arrived::of(&arrival, wo, beta, number, Some(partial)) })
+                Step::Arrived(Arrived { d2, ..Arrived::of(&arrival, wo, beta, number, Some(partial.taken())) })
             });
             if let Some(id) = arrival.light {
                 let hit = EmitterHit { point: LightPoint::Surface(at), wo, receiver, beta, partial, number };
@@ -205,8 +210,8 @@ impl Bdpt {
             }
             let block = (number - 2) * camera_dimensions::BLOCK;
             if vertex.bsdf.is_connectible() {
-                self.connect_to_light(scene, &vertex, &mut sampler, block, recorder);
-                self.connect_to_subpaths(scene, &vertex, recorder);
+                self.connect_to_light(scene, &vertex, &mut sampler, block, &mut ray_roulette, recorder);
+                self.connect_to_subpaths(scene, &vertex, &mut ray_roulette, recorder);
             }
             sampler.set_dimension(block + camera_dimensions::DIRECTION);
             let Some(next) = scatter(&vertex, Transport::Radiance, &mut sampler, recorder) else { return };
@@ -218,8 +223,7 @@ impl Bdpt {
             let Some(thinned) = thin(&vertex, &next, &mut roulette, &mut sampler, recorder) else { return };
             beta = thinned;
             // `direct` at camera vertex i stands for the technique with i − 1 camera vertices.
-            let count = if number == 2 { self.mis.light_paths } else { self.mis.connections };
-            departure = Some(depart(&vertex, &next, count));
+            departure = Some(depart(&vertex, &next, self.mis.counts_at_camera_vertex(number)));
             receiver = vertex.receiver();
             ray = Ray::new(at.origin(next.wi), next.wi);
             number += 1;
@@ -229,8 +233,8 @@ impl Bdpt {
 
 /// Samples the BSDF from the sampler's current dimension on.
 #[inline]
-fn scatter<const T: bool>(
-    vertex: &Vertex,
+fn scatter<S: Sums, const T: bool>(
+    vertex: &Vertex<S>,
     transport: Transport,
     sampler: &mut Sampler,
     recorder: &mut Recorder<T>,
@@ -244,8 +248,8 @@ fn scatter<const T: bool>(
 
 /// The throughput after a scattering that roulette let live.
 #[inline]
-fn thin<const T: bool>(
-    vertex: &Vertex,
+fn thin<S: Sums, const T: bool>(
+    vertex: &Vertex<S>,
     next: &BsdfSample,
     roulette: &mut Roulette,
     sampler: &mut Sampler,
@@ -259,10 +263,11 @@ fn thin<const T: bool>(
 
 /// The vertex as the edge that leaves it sees it.
 #[inline]
-fn depart(vertex: &Vertex, next: &BsdfSample, count: f64) -> Departure {
+fn depart<S: Sums>(vertex: &Vertex<S>, next: &BsdfSample, [count, splats]: [S; 2]) -> Departure<S> {
     Departure {
         partial: vertex.partial,
         count,
+        splats,
         cos: f64::from(next.wi.dot(vertex.at.ng).abs()),
         pdf_fwd: f64::from(next.pdf_fwd.0),
         pdf_rev: f64::from(next.pdf_rev.0),

@@ -8,7 +8,7 @@ use crate::math::{Rgb, Vec3};
 
 /// A surface point that a subpath scatters at.
 #[derive(Clone, Copy, Debug)]
-pub struct Vertex {
+pub struct Vertex<S = f64> {
     /// Where.
     pub at: SurfacePoint,
     /// Unit direction to the previous vertex.
@@ -18,12 +18,12 @@ pub struct Vertex {
     /// Throughput of the subpath up to here, this vertex's own scattering left out.
     pub beta: Rgb,
     /// Partial sums of the weights.
-    pub partial: Partial,
+    pub partial: Partial<S>,
     /// Number of vertices of the subpath up to here, this one included.
     pub number: u32,
 }
 
-impl Vertex {
+impl<S> Vertex<S> {
     /// The vertex as next-event estimation sees it: the same from either end of a path.
     #[inline]
     pub fn receiver(&self) -> Receiver {

@@ -167,7 +167,9 @@ impl<'p> Densities<'p> {
             terms,
         };
         let term = |s: usize| {
-            let x = if densities.feasible(s) { densities.density(s) * densities.count(s) } else { 0.0 };
+            // Splats count in the weights by how far they are trusted.
+            let trust = if s == k { judge.splat_confidence.on(k as u32) } else { 1.0 };
+            let x = if densities.feasible(s) { densities.density(s) * densities.count(s) * trust } else { 0.0 };
             match judge.heuristic {
                 Heuristic::Power => x * x,
                 Heuristic::Balance => x,

@@ -23,7 +23,7 @@ use super::{Bdpt, Vertex};
 use crate::accel::Accel;
 use crate::bsdf::Bsdf;
 use crate::geometry::SurfacePoint;
-use crate::integrator::{Crop, Settings};
+use crate::integrator::{Crop, Settings, SplatConfidence};
 use crate::light::LightPoint;
 use crate::math::Rgb;
 use crate::scene::Scene;
@@ -38,6 +38,7 @@ pub struct Judge<'a, A> {
     heuristic: Heuristic,
     connections: f64,
     light_paths: f64,
+    splat_confidence: SplatConfidence,
 }
 
 /// One technique's verdict on a path.
@@ -56,15 +57,16 @@ struct Verdict {
 impl<'a, A: Accel> Judge<'a, A> {
     /// For a scene, and `bdpt` with these settings.
     pub fn new(scene: &'a Scene<A>, settings: Settings) -> Self {
-        let Settings { heuristic, light_paths, .. } = settings;
-        let light_paths = f64::from(light_paths) * Crop::full(scene.camera.resolution()).pixels() as f64;
+        let Settings { heuristic, light_paths, light_one_in, splat_confidence, .. } = settings;
+        let pixels = Crop::full(scene.camera.resolution()).pixels() as f64;
+        let light_paths = f64::from(light_paths) / f64::from(light_one_in) * pixels;
         let weighted = Bdpt::new(scene, settings, light_paths);
         // None are traced where they would be of no use.
         let traced = if weighted.traces_light() { light_paths } else { 0.0 };
         let plain = Bdpt::new(scene, Settings { weighted: false, ..settings }, light_paths);
         // Subpaths that are not traced are not connected to either.
-        let connections = f64::from(weighted.connections);
-        Self { scene, weighted, plain, heuristic, connections, light_paths: traced }
+        let connections = weighted.connections_per_sample;
+        Self { scene, weighted, plain, heuristic, connections, light_paths: traced, splat_confidence }
     }
 
     /// `None` when the path carries nothing or leaves the view, and when `fault` says what is wrong with it.
@@ -83,15 +85,17 @@ impl<'a, A: Accel> Judge<'a, A> {
                     0 => {
                         let Vertex { wo, beta, partial, number, .. } = camera_side(0);
                         let hit = EmitterHit { point: path.start, wo, receiver, beta, partial, number };
-                        Some(b.evaluate_emitter(scene, path.light, &hit, pmf_emission))
+                        Some(b.evaluate_emitter(scene, path.light, &hit, pmf_emission).value)
                     }
                     s if s == k && k == 1 => {
                         let LightPoint::Surface(at) = &path.start else { return None };
-                        b.evaluate_light_in_lens(scene, light, at, emission, &path.numbers).map(|x| x.1)
+                        b.evaluate_light_in_lens(scene, light, at, emission, &path.numbers).map(|x| x.1.value)
                     }
-                    s if s == k => b.evaluate_lens(scene, &light_side(k - 1), &path.numbers).map(|x| x.1),
-                    1 => b.evaluate_next_event(scene, light, &path.start, direct, pmf_emission, &camera_side(1)),
-                    s => b.evaluate_connection(&light_side(s - 1), &camera_side(s)),
+                    s if s == k => b.evaluate_lens(scene, &light_side(k - 1), &path.numbers).map(|x| x.1.value),
+                    1 => b
+                        .evaluate_next_event(scene, light, &path.start, direct, pmf_emission, &camera_side(1))
+                        .map(|x| x.value),
+                    s => b.evaluate_connection(&light_side(s - 1), &camera_side(s)).map(|x| x.value),
                 }
             };
             let (with, without) = (value(&self.weighted)?, value(&self.plain)?);
@@ -147,7 +151,7 @@ impl<'a, A: Accel> Judge<'a, A> {
             beta *= s.weight;
             let count = if i == 1 { mis.next_event } else { mis.connections };
             let Scatter { pdf_fwd, pdf_rev, cos_out, delta, .. } = s;
-            departure = Some(Departure { partial, count, cos: cos_out, pdf_fwd, pdf_rev, delta });
+            departure = Some(Departure { partial, count, splats: 0.0, cos: cos_out, pdf_fwd, pdf_rev, delta });
         }
 
         // Camera side, down to vertex 0 when the light is a surface.
@@ -177,9 +181,9 @@ impl<'a, A: Accel> Judge<'a, A> {
             }
             let s = densities.scatter_from_camera(i);
             beta *= s.weight;
-            let count = if number == 2 { mis.light_paths } else { mis.connections };
+            let [count, splats] = mis.counts_at_camera_vertex(number);
             let Scatter { pdf_fwd, pdf_rev, cos_out, delta, .. } = s;
-            departure = Some(Departure { partial, count, cos: cos_out, pdf_fwd, pdf_rev, delta });
+            departure = Some(Departure { partial, count, splats, cos: cos_out, pdf_fwd, pdf_rev, delta });
         }
         (move |i: usize| lights[i - 1], move |i: usize| cameras[i].expect("asked for a vertex that exists"))
     }

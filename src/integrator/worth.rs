@@ -1,0 +1,74 @@
+//! Russian roulette of visibility rays: what a ray may add decides, before it is traced, how likely it is to be traced.
+//!
+//! A contribution c that needs a ray is kept with the probability q = min(1, c/δ) and divided by it [Veach97, §10.4]. That
+//! adds the variance c²(1/q − 1) and saves the ray with the probability 1 − q. With variance V and cost C of a whole sample
+//! and cost r of a ray, V · C is least where c²/q² · C = V · r, that is at
+//!
+//! ```text
+//! δ = √(V r / C)
+//! ```
+//!
+//! Errors are relative to a pixel's brightness μ, V = mean of Var/(μ² + ε), so that δ of a pixel is √(μ² + ε) times that.
+//! The brightness is that of blocks of pixels in a pilot (`integrator::auto`): a number that knows nothing of the samples
+//! it decides about.
+
+use crate::math::Rgb;
+use crate::sampling::{Coins, Sampler};
+
+/// What a visibility ray must be able to add to a pixel to be traced for certain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Thresholds {
+    /// Side of a block in pixels.
+    block: u32,
+    /// Blocks in a row.
+    columns: u32,
+    /// 1/δ per block and channel.
+    reciprocal: Vec<Rgb>,
+}
+
+impl Thresholds {
+    /// By what brings √(μ² + ε) of each block (row-major, `columns` to a row of blocks of `block` pixels) to 1, and
+    /// δ of pixels of that brightness 1.
+    pub fn new(block: u32, columns: u32, scale: &[Rgb], delta: f32) -> Self {
+        Self { block, columns, reciprocal: scale.iter().map(|s| *s / delta).collect() }
+    }
+
+    #[inline]
+    fn at(&self, [x, y]: [u32; 2]) -> Rgb {
+        self.reciprocal[(y / self.block * self.columns + x / self.block) as usize]
+    }
+}
+
+/// The roulette of one subpath's visibility rays.
+#[derive(Clone, Debug)]
+pub struct RayRoulette {
+    /// 1/δ of the pixel that contributions go to; `None` where all rays are traced.
+    reciprocal: Option<Rgb>,
+    coins: Coins,
+}
+
+impl RayRoulette {
+    /// For a subpath with this sampler; all rays are traced until a pixel is turned to.
+    #[inline]
+    pub fn new(sampler: &Sampler) -> Self {
+        Self { reciprocal: None, coins: sampler.more_coins() }
+    }
+
+    /// From here on contributions go to this pixel.
+    #[inline]
+    pub fn turn_to(&mut self, thresholds: Option<&Thresholds>, pixel: [u32; 2]) {
+        self.reciprocal = thresholds.map(|t| t.at(pixel));
+    }
+
+    /// What to multiply `value` by: what `trace` finds over the probability of asking it, or 0 if it is not asked.
+    #[inline]
+    pub fn visible(&mut self, value: Rgb, trace: impl FnOnce() -> f32) -> f32 {
+        let Some(reciprocal) = self.reciprocal else { return trace() };
+        let q = (value * reciprocal).max_element();
+        // Written so that a NaN is traced: the gate before the film has to see it.
+        if q < 1.0 {
+            return if self.coins.flip() < q { trace() / q } else { 0.0 };
+        }
+        trace()
+    }
+}
