@@ -43,6 +43,8 @@ bugs! {
     DepthOfAll, "depth-of-all", "all integrators scatter once more than `max_bounces`";
     RouletteUncompensated, "roulette-uncompensated", "roulette's survivors are not divided by their probability";
     RouletteAboveOne, "roulette-above-one", "roulette divides by probabilities above 1, too";
+    RayRouletteUncompensated, "ray-roulette-uncompensated", "visibility rays that roulette lets live are not divided by its probability";
+    SparseUncompensated, "sparse-uncompensated", "light subpaths of one sample in n count as if each sample had some";
     OneStream, "one-stream", "light subpaths are drawn with the camera subpath's numbers";
     // Lights.
     LightChoiceOfOneMore, "light-choice-of-one-more", "the choice among N lights is counted as one among N + 1";
@@ -66,6 +68,7 @@ bugs! {
     BalanceRecursion, "balance-recursion", "partial sums of the power heuristic go on by ratio × (sum + 1), without squares";
     SumsFromOne, "sums-from-one", "the camera side's sums start at 1";
     NoCountInWeights, "no-count-in-weights", "weights count one light subpath for the pixel, not all of the pass";
+    TrustOfSubpath, "trust-of-subpath", "how far splats are trusted goes by the camera subpath's length, not by the path's";
     LightSeenTwice, "light-seen-twice", "a light seen directly (0,2) does not share with (1,1)";
     WindowsConnect, "windows-connect", "weights count connections across index-matched windows";
     EmissionInConnections, "emission-in-connections", "a general connection adds the camera vertex's emission";

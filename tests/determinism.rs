@@ -12,7 +12,7 @@ use twinlight::scene::Scene;
 
 use common::{DefaultAccel, everything, render_job, render_once, scene, scene_on, settings};
 
-const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Light, Integrator::Bdpt];
+const INTEGRATORS: [Integrator; 4] = [Integrator::Path, Integrator::Light, Integrator::Bdpt, Integrator::Auto];
 
 #[test]
 fn any_number_of_threads_makes_the_same_image() {
@@ -93,6 +93,30 @@ fn a_technique_alone_is_its_part_of_all() {
                     (a - b).abs() <= 2e-6 * b.abs(),
                     "{technique:?}, weighted: {weighted}: {a} alone, {b} among all"
                 );
+            }
+        }
+    }
+}
+
+/// What `auto` does to a sample depends on no other: a crop has the full image's bits, and few samples are the first of many.
+#[test]
+fn a_crop_has_the_bits_of_the_full_image() {
+    let scene = scene(&everything());
+    let crop = Crop { x0: 3, y0: 2, x1: 9, y1: 8 };
+    for integrator in INTEGRATORS {
+        for samples in [1, 2, 3, 4, 5, 11] {
+            let job = |crop, threads| RenderJob {
+                settings: Settings { roulette: true, ..settings(integrator, 8) },
+                samples,
+                crop,
+                threads,
+                pyramid: None,
+            };
+            let full = render_job(&scene, &job(Crop::full(scene.camera.resolution()), 1)).image;
+            let part = render_job(&scene, &job(crop, 3)).image;
+            for (i, pixel) in part.rgb.iter().enumerate() {
+                let (x, y) = (crop.x0 + i as u32 % crop.width(), crop.y0 + i as u32 / crop.width());
+                assert_eq!(*pixel, full.get(x, y), "{integrator:?}, {samples} samples, pixel {x},{y}");
             }
         }
     }

@@ -13,6 +13,7 @@
 //! it decides about.
 
 use crate::math::Rgb;
+use crate::planted::{Bug, planted};
 use crate::sampling::{Coins, Sampler};
 
 /// What a visibility ray must be able to add to a pixel to be traced for certain.
@@ -67,8 +68,55 @@ impl RayRoulette {
         let q = (value * reciprocal).max_element();
         // Written so that a NaN is traced: the gate before the film has to see it.
         if q < 1.0 {
-            return if self.coins.flip() < q { trace() / q } else { 0.0 };
+            let divisor = if planted(Bug::RayRouletteUncompensated) { 1.0 } else { q };
+            return if self.coins.flip() < q { trace() / divisor } else { 0.0 };
         }
         trace()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{SamplerKind, Stream};
+
+    /// What is kept makes up for what is not: below the threshold, at it and above, in every channel's own units.
+    #[test]
+    fn the_mean_stays() {
+        // Two blocks of 4 pixels, the second in a second row.
+        let thresholds = Thresholds::new(4, 1, &[Rgb::new(1.0, 2.0, 4.0), Rgb::splat(0.5)], 0.1);
+        for (pixel, value, q) in [
+            ([3, 3], Rgb::new(0.05, 0.0, 0.0), 0.5),
+            ([0, 0], Rgb::new(0.001, 0.001, 0.005), 0.2),
+            ([2, 1], Rgb::splat(3.0), 1.0),
+            ([1, 4], Rgb::new(0.02, 0.06, 0.0), 0.3),
+        ] {
+            let (n, mut asked, mut sum) = (100_000_u32, 0, 0.0);
+            for i in 0..n {
+                let sampler = Sampler::new(SamplerKind::Sobol, 5, 7, Stream::Camera, i);
+                let mut roulette = RayRoulette::new(&sampler);
+                roulette.turn_to(Some(&thresholds), pixel);
+                let visible = roulette.visible(value, || {
+                    asked += 1;
+                    0.75
+                });
+                sum += f64::from(visible);
+            }
+            let (asked, mean) = (f64::from(asked) / f64::from(n), sum / f64::from(n));
+            // Five standard deviations of the share, and of the mean of what is 0.75/q with the probability q.
+            let deviation = 5.0 * (q * (1.0 - q) / f64::from(n)).sqrt() + 1e-6;
+            assert!((asked - q).abs() <= deviation, "{pixel:?} {value}: {asked} of the rays instead of {q}");
+            assert!((mean - 0.75).abs() <= 0.75 / q * deviation, "{pixel:?} {value}: mean {mean}");
+        }
+    }
+
+    #[test]
+    fn without_thresholds_every_ray_is_traced_and_nan_always() {
+        let mut roulette = RayRoulette::new(&Sampler::new(SamplerKind::Sobol, 5, 7, Stream::Camera, 0));
+        assert_eq!(roulette.visible(Rgb::splat(1e-30), || 1.0), 1.0);
+        let thresholds = Thresholds::new(8, 1, &[Rgb::ONE], 1e30);
+        roulette.turn_to(Some(&thresholds), [0, 0]);
+        assert_eq!(roulette.visible(Rgb::splat(f32::NAN), || 1.0), 1.0);
+        assert_eq!(roulette.visible(Rgb::ZERO, || 1.0), 0.0);
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use twinlight::accel::{AccelOptions, bvh::BvhAccel};
 use twinlight::film::Image;
-use twinlight::integrator::{Crop, Integrator, Settings};
+use twinlight::integrator::{Crop, Integrator, Settings, SplatConfidence};
 use twinlight::math::DVec3;
 use twinlight::render::RenderJob;
 use twinlight::sampling::SamplerKind;
@@ -68,6 +68,12 @@ fn weights_and_counts_of_paths_share_one_mean() {
     cases.push(("independent numbers".into(), Settings { sampler: SamplerKind::Independent, ..base() }));
     cases.push(("path".into(), Settings { integrator: Integrator::Path, ..base() }));
     cases.push(("path, roulette".into(), Settings { integrator: Integrator::Path, roulette: true, ..base() }));
+    cases.push(("light subpaths for one sample in 4".into(), Settings { light_one_in: 4, ..base() }));
+    let splat_confidence = SplatConfidence::new([0.01, 0.002, 0.6, 0.7, 0.3, 0.95]);
+    cases.push(("splats distrusted".into(), Settings { splat_confidence, ..base() }));
+    let all = Settings { splat_confidence, light_one_in: 2, light_paths: 2, roulette: true, ..base() };
+    cases.push(("all of auto's settings".into(), all));
+    cases.push(("auto".into(), Settings { integrator: Integrator::Auto, roulette: true, ..base() }));
     for (n, (what, settings)) in cases.into_iter().enumerate() {
         let samples = if settings.light_paths > 2 { 1 << 10 } else { 1 << 11 };
         let images = images(&scene, settings, Budget::new(samples, 642 + n as u64));

@@ -272,7 +272,7 @@ impl<S: Sums> Bdpt<S> {
         // Technique s−1 would find y from z, technique s+1 z from y; h(1/d²) is left out of both.
         let light_side = mis.behind(&y.partial, self.count_behind_light(y.number), f64::from(at_y.pdf_rev.0))
             * mis.h(f64::from(at_z.pdf_fwd.0) * cos_y);
-        let edges = y.number + z.number - 1;
+        let edges = if planted(Bug::TrustOfSubpath) { z.number } else { y.number + z.number - 1 };
         let camera_side = mis.behind_camera(&z.partial, z.number, edges, f64::from(at_z.pdf_rev.0))
             * mis.h(f64::from(at_y.pdf_fwd.0) * cos_z);
         let others = light_side + camera_side;

@@ -77,22 +77,28 @@ fn scene(camera: &str) -> Scene<BvhAccel> {
 #[test]
 fn weights_partition_unity_and_every_technique_measures_the_same() {
     let (mut paths, mut blocked) = (0, 0);
-    for (camera, heuristic, light_paths, connections, tries) in [
-        (PINHOLE, Heuristic::Power, 1, 1, 2_000_000),
-        (PINHOLE, Heuristic::Power, 3, 2, 500_000),
-        (PINHOLE, Heuristic::Balance, 2, 1, 500_000),
-        (PINHOLE, Heuristic::Uniform, 1, 1, 200_000),
-        (THIN_LENS, Heuristic::Power, 2, 1, 200_000),
-        (THIN_LENS, Heuristic::Balance, 1, 1, 100_000),
-        (ORTHOGRAPHIC, Heuristic::Power, 2, 1, 200_000),
-        (ORTHOGRAPHIC, Heuristic::Balance, 1, 1, 100_000),
+    let even = SplatConfidence::default();
+    let uneven = SplatConfidence::new([0.01, 0.002, 0.6, 0.7, 0.3, 0.95]);
+    for (camera, heuristic, light_paths, connections, light_one_in, splat_confidence, tries) in [
+        (PINHOLE, Heuristic::Power, 1, 1, 1, even, 2_000_000),
+        (PINHOLE, Heuristic::Power, 3, 2, 1, even, 500_000),
+        (PINHOLE, Heuristic::Power, 1, 1, 1, uneven, 500_000),
+        (PINHOLE, Heuristic::Power, 2, 1, 4, uneven, 200_000),
+        (PINHOLE, Heuristic::Balance, 2, 1, 1, even, 500_000),
+        (PINHOLE, Heuristic::Balance, 1, 1, 2, uneven, 200_000),
+        (PINHOLE, Heuristic::Uniform, 1, 1, 1, even, 200_000),
+        (THIN_LENS, Heuristic::Power, 2, 1, 1, even, 200_000),
+        (THIN_LENS, Heuristic::Balance, 1, 1, 1, even, 100_000),
+        (ORTHOGRAPHIC, Heuristic::Power, 2, 1, 1, even, 200_000),
+        (ORTHOGRAPHIC, Heuristic::Balance, 1, 1, 1, even, 100_000),
     ] {
         let scene = scene(camera);
-        let settings = Settings { heuristic, light_paths, connections, ..Settings::default() };
+        let settings =
+            Settings { heuristic, light_paths, connections, light_one_in, splat_confidence, ..Settings::default() };
         let judge = Judge::new(&scene, settings);
         let seen = (0..tries).into_par_iter().map(|i| Seen::path(&judge, i)).reduce(Seen::default, Seen::merge);
         println!(
-            "{camera}: {heuristic:?} {light_paths}/{connections}: {} paths ({} with delta vertices, {} of them a mixture's, {} through \
+            "{camera}: {heuristic:?} {light_paths}/{connections} of 1/{light_one_in}, {splat_confidence:?}: {} paths ({} with delta vertices, {} of them a mixture's, {} through \
              a cut-out), {} techniques; worst Σw−1 \
              {:.1e}, weight {:.1e}, identity {:.1e}; {} beyond 1e-4 next to delta vertices, by at most {:.1e}, where the condition is at \
              most {:.1e}; their ratio at most {:.2}",
