@@ -9,6 +9,7 @@ mod material;
 mod memory;
 mod needs;
 mod prepare;
+mod space;
 mod textures;
 
 pub use detail::Details;
