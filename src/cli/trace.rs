@@ -6,8 +6,9 @@ use super::args::RenderArgs;
 use super::settings::{departures, name};
 use super::{Failure, figures, print, significant, status};
 use crate::accel::{Accel, AccelOptions};
+use crate::film::Accumulator;
 use crate::integrator::trace::{Arrived, End, Made, Step};
-use crate::integrator::{Crop, PixelSample, Recorder, SampleLoop, Settings};
+use crate::integrator::{Crop, PixelSample, Reason, Recorder, SampleLoop, Settings};
 use crate::light::{Light, LightPoint};
 use crate::math::{DVec3, Rgb, Vec3};
 use crate::scene::desc::{Place, SceneDesc, ShapeDesc};
@@ -74,7 +75,8 @@ pub fn run<A: Accel>(
 ) -> Result<(), Failure> {
     let (center, scale) = (prepared.center, prepared.scale);
     let scene: Scene<A> = Scene::build(prepared, AccelOptions::default()).map_err(Failure::other)?;
-    let mut recorder = Recorder::traced(Crop::full(scene.camera.resolution()));
+    let largest = Accumulator::largest(scene.brightness);
+    let mut recorder = Recorder::traced(Crop::full(scene.camera.resolution())).within(largest);
     SampleLoop::new(&scene, settings).sample(sample, &mut recorder);
     let page = Page { scene: &scene, names, center, scale };
     let mut out = page.heading(scene_name, settings, sample);
@@ -89,16 +91,19 @@ pub fn run<A: Accel>(
     }
     page.sums(&mut out, &recorder, sample);
     print(&out);
-    match recorder.rejected().0 {
-        0 => Ok(()),
-        n => Err(Failure::new(
-            status::NON_FINITE,
-            match n {
-                1 => "1 contribution of this sample is not finite".to_owned(),
-                n => format!("{n} contributions of this sample are not finite"),
-            },
-        )),
+    let (bad, large) = (recorder.rejected().0, recorder.overflows());
+    if bad + large == 0 {
+        return Ok(());
     }
+    let mut parts = Vec::new();
+    for (count, what) in [(bad, "not finite"), (large, "too large for the film")] {
+        match count {
+            0 => {}
+            1 => parts.push(format!("1 contribution of this sample is {what}")),
+            n => parts.push(format!("{n} contributions of this sample are {what}")),
+        }
+    }
+    Err(Failure::new(status::NON_FINITE, parts.join(", ")))
 }
 
 /// What turns numbers into words.
@@ -283,7 +288,13 @@ impl<A: Accel> Page<'_, A> {
             line(out, 0, format!("to pixel {x},{y} by ({},{}): {}", t.s, t.t, color(splat.value)));
         }
         for r in recorder.rejected().1 {
-            line(out, 0, format!("not finite, kept from the image: technique ({},{})", r.technique.s, r.technique.t));
+            let why = match r.reason {
+                Reason::NotFinite => "not finite".to_owned(),
+                Reason::TooLarge => {
+                    format!("overflow, not below {}", number(Accumulator::largest(self.scene.brightness)))
+                }
+            };
+            line(out, 0, format!("{why}, kept from the image: technique ({},{})", r.technique.s, r.technique.t));
         }
     }
 }

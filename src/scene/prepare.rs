@@ -14,7 +14,7 @@ use super::desc::{
 use super::duplicates::{ShiningTriangles, duplicate_emitters};
 use super::material::rgb;
 use super::space::{Space, space};
-use super::{Details, SceneNeeds, Surface, flat, textures};
+use super::{Details, SceneNeeds, Surface, flat, standing, textures};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, exact_normal, is_sliver, triangle_area};
@@ -89,7 +89,7 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     for light in &desc.infinite_lights {
         builder.add_infinite(light, ball);
     }
-    let Builder { mut geometry, surfaces, models, details, lights, mut warnings, errors, .. } = builder;
+    let Builder { mut geometry, surfaces, models, details, lights, delta_lights, mut warnings, errors, .. } = builder;
     if !errors.is_empty() {
         return Err(SceneError { diagnostics: errors });
     }
@@ -102,6 +102,19 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     for point in &mut geometry.delta_points {
         *point = DeltaPoint::new(point.position, reach);
     }
+    let doubt = |light: usize, surface: u32, height: f32, error: f32| {
+        let surface =
+            desc.surfaces.iter().filter(|s| !matches!(s.shape, ShapeDesc::DeltaPoint)).nth(surface as usize)?;
+        let at = delta_lights.iter().find(|(index, _)| *index == light)?.1.clone();
+        let [height, error] = [height, error].map(|x| f64::from(x) / scale);
+        let message = format!(
+            "light {light} is taken as standing on the surface {}: it is {height:.2} above it, and rays know so large a surface \
+             to ±{error:.2} only; what else lies within that of the light may be lit wrongly; make the surface smaller",
+            surface.at
+        );
+        Some(Diagnostic { at, message })
+    };
+    warnings.extend(standing::doubts(&geometry, &lights, camera_to_render.translation.as_vec3a(), doubt));
     if lights.is_empty() {
         warnings.push(Diagnostic {
             at: desc.camera.at.clone(),
@@ -133,6 +146,8 @@ struct Builder {
     models: Vec<Surface>,
     details: Details,
     lights: Vec<Light>,
+    /// Point and spot lights by index, with their places in the file.
+    delta_lights: Vec<(usize, Place)>,
     shining: ShiningTriangles,
     warnings: Vec<Warning>,
     errors: Vec<Diagnostic>,
@@ -149,6 +164,7 @@ impl Default for Builder {
             models: Vec::new(),
             details: Details::default(),
             lights: Vec::new(),
+            delta_lights: Vec::new(),
             shining: ShiningTriangles::default(),
             warnings: Vec::new(),
             errors: Vec::new(),
@@ -425,6 +441,7 @@ impl Builder {
         if !power.is_finite() {
             self.errors.push(too_bright(&surface.at));
         } else if power.max_element() > 0.0 {
+            self.delta_lights.push((self.lights.len(), surface.at.clone()));
             self.lights.push(light);
         } else {
             self.warn(surface, "the light emits no power: it is left out".into());
