@@ -4,9 +4,10 @@ use std::fmt::{Display, Write};
 
 use super::args::RenderArgs;
 use super::settings::{departures, name};
-use super::{Failure, figures, print, significant, status};
+use super::{Failure, figures, print, significant, status, words};
 use crate::accel::{Accel, AccelOptions};
 use crate::film::Accumulator;
+use crate::geometry::{GeometryKind, QuadricKind};
 use crate::integrator::trace::{Arrived, End, Made, Step};
 use crate::integrator::{Crop, PixelSample, Reason, Recorder, SampleLoop, Settings};
 use crate::light::{Light, LightPoint};
@@ -120,11 +121,11 @@ fn line(out: &mut String, indent: usize, text: impl Display) {
 }
 
 /// Nine digits tell two f32 apart.
-fn number(x: impl Into<f64>) -> String {
+pub(super) fn number(x: impl Into<f64>) -> String {
     significant(x.into(), 9, -4..7)
 }
 
-fn color(c: Rgb) -> String {
+pub(super) fn color(c: Rgb) -> String {
     let [r, g, b] = c.to_array().map(number);
     if r == g && g == b { r } else { format!("({r} {g} {b})") }
 }
@@ -231,6 +232,7 @@ impl<A: Accel> Page<'_, A> {
                 line(out, 5, format!("next event: {light} {point}, density {}", number(*pdf)));
             }
             Step::Made(made) => self.made(out, made),
+            Step::Blocked { surface } => line(out, 7, format!("by {}", self.names.surface(*surface))),
         }
     }
 
@@ -239,8 +241,7 @@ impl<A: Accel> Page<'_, A> {
         let surface = self.names.surface(a.at.surface());
         let window = if a.through_window { ", through a window" } else { "" };
         line(out, 2, format!("{side}{} {surface} at {}{window}", a.number, self.place(a.at.p())));
-        let tag = a.at.tag;
-        line(out, 5, format!("{:?}: {tag:?}, {:?}", a.geometry, a.bsdf));
+        line(out, 5, format!("{}: {}", self.primitive(a), words::bsdf(&a.bsdf)));
         let shading = if a.at.is_flat() { String::new() } else { format!(", shading normal {}", direction(a.at.ns)) };
         let cos = number(a.wo.dot(a.at.ng).abs());
         line(out, 5, format!("normal {}{shading}, cosine {cos}, distance² {}", direction(a.at.ng), number(a.d2)));
@@ -252,6 +253,21 @@ impl<A: Accel> Page<'_, A> {
         if let Some(id) = a.light {
             line(out, 5, format!("is light {id}"));
         }
+    }
+
+    /// What kind of primitive, which, and where on it.
+    fn primitive(&self, a: &Arrived) -> String {
+        let (index, geometry) = (a.at.primitive(), &self.scene.geometry);
+        let kind = match a.geometry {
+            GeometryKind::Triangle => "triangle",
+            GeometryKind::Quadric => match geometry.quadrics[index as usize].kind {
+                QuadricKind::Sphere => "sphere",
+                QuadricKind::Disk => "disk",
+            },
+        };
+        let [u, v] = a.at.uv();
+        let uv = if geometry.wants_uv { format!(", uv ({} {})", number(u), number(v)) } else { String::new() };
+        format!("{kind} {index}{uv}")
     }
 
     fn made(&self, out: &mut String, m: &Made) {

@@ -169,6 +169,14 @@ impl<const TRACED: bool> Recorder<TRACED> {
         }
     }
 
+    /// Names what blocks a connection through which nothing passes.
+    #[inline(always)]
+    pub fn tell_blocker(&mut self, visible: f32, blocker: impl FnOnce() -> Option<u32>) {
+        if TRACED && visible == 0.0 {
+            self.steps.extend(blocker().map(|surface| Step::Blocked { surface }));
+        }
+    }
+
     /// Starts a sample of `pixel` (full image coordinates, inside the crop).
     #[inline]
     pub fn begin(&mut self, pixel: [u32; 2], sample: u32) {

@@ -189,6 +189,11 @@ impl<A: Accel> Scene<A> {
         if self.needs.opacity { self.transmittance(*ray, rays) } else { 1.0 }
     }
 
+    /// The surface nearest along a segment, for replays.
+    pub fn blocker(&self, ray: &Ray) -> Option<u32> {
+        self.accel.intersect(ray).map(|hit| self.geometry.surface_of(&hit))
+    }
+
     /// The product of 1 − opacity over the surfaces along a ray that nothing opaque blocks: the probability with which
     /// `follow` passes them.
     #[inline(never)]

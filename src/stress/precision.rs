@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::accel::Accel;
+use crate::film::Accumulator;
 use crate::integrator::bdpt::oracle::replay::{Compared, Judged, judge, settings};
 use crate::integrator::bdpt::oracle::{Judge, worse};
 use crate::integrator::{Crop, PixelSample, Recorder, SampleLoop, Settings};
@@ -22,6 +23,8 @@ const FAULTS: usize = 5;
 pub struct Precision {
     paths: Vec<Compared>,
     untold: u64,
+    /// Contributions that were kept from the image: not finite, too large.
+    left_out: [u64; 2],
     faults: Vec<String>,
 }
 
@@ -31,7 +34,7 @@ pub fn precision<A: Accel>(scene: &Scene<A>, given: Settings, samples: u32) -> P
     let [width, height] = scene.camera.resolution();
     let of_row = |y: u32| {
         let of_scene = Judge::new(scene, settings);
-        let mut recorder = Recorder::traced(Crop::full([width, height]));
+        let mut recorder = Recorder::traced(Crop::full([width, height])).within(Accumulator::largest(scene.brightness));
         let mut loops = SampleLoop::new(scene, settings);
         let mut out = Judged::default();
         for x in 0..width {
@@ -39,12 +42,13 @@ pub fn precision<A: Accel>(scene: &Scene<A>, given: Settings, samples: u32) -> P
                 judge(&of_scene, &mut loops, PixelSample { pixel: [x, y], index }, &mut recorder, &mut out);
             }
         }
-        out
+        (out, [recorder.rejected().0, recorder.overflows()])
     };
-    let rows: Vec<Judged> = (0..height).into_par_iter().map(of_row).collect();
+    let (rows, left_out): (Vec<Judged>, Vec<[u64; 2]>) = (0..height).into_par_iter().map(of_row).unzip();
+    let left_out = left_out.into_iter().fold([0; 2], |[a, b], [c, d]| [a + c, b + d]);
     let untold = rows.iter().map(|row| row.untold).sum();
     let faults = rows.iter().filter_map(|row| row.fault.clone()).take(FAULTS).collect();
-    Precision { paths: rows.into_iter().flat_map(|row| row.paths).collect(), untold, faults }
+    Precision { paths: rows.into_iter().flat_map(|row| row.paths).collect(), untold, left_out, faults }
 }
 
 /// The errors at the quantiles; `errors` need not be sorted.
@@ -163,6 +167,22 @@ impl Precision {
             // Writing to a String cannot fail.
             let _ = writeln!(out, "{text}");
         };
+        let [bad, large] = self.left_out;
+        if bad + large > 0 {
+            line(
+                &mut out,
+                format!(
+                    "left out of the image: {bad} contributions that are not finite, {large} that overflow the film"
+                ),
+            );
+        }
+        if self.paths.is_empty() {
+            line(&mut out, format!("no paths found that carry light and can be judged; {} not judged", self.untold));
+            for fault in &self.faults {
+                line(&mut out, format!("fault: {fault}"));
+            }
+            return out;
+        }
         line(&mut out, format!("{} paths against f64, {} more not judged", self.paths.len(), self.untold));
         line(
             &mut out,
@@ -214,10 +234,13 @@ impl Precision {
     pub fn json(&self) -> Value {
         let row = |row: &Row| json!({ "edges": row.edges, "paths": row.paths, "contribution": row.contribution, "weight": row.weight });
         let decade = |d: &Decade| json!({ "power": d.power, "paths": d.paths, "contribution": d.contribution, "weight": d.weight });
-        let [sum, sizes] = self.image();
+        // Of no paths there is no image.
+        let [sum, sizes] = self.image().map(|x| x.is_finite().then_some(x));
         json!({
             "paths": self.paths.len(),
             "unjudged": self.untold,
+            "non_finite": self.left_out[0],
+            "overflows": self.left_out[1],
             "quantiles": QUANTILES,
             "rows": self.rows().iter().map(row).collect::<Vec<Value>>(),
             "image": { "sum": sum, "sizes": sizes },

@@ -58,7 +58,19 @@ const JSON: &[Scene] = &[
     Scene {
         what: "What is no number in JSON",
         text: r#"{"camera": {"vfov": «NaN}}"#,
-        messages: &["invalid JSON: expected value, found `NaN`"],
+        messages: &["invalid JSON: expected value, found `NaN`; JSON has finite numbers only"],
+    },
+    Scene {
+        what: "An infinite number",
+        text: r#"{"camera": {"vfov": «Infinity}}"#,
+        messages: &["invalid JSON: expected value, found `Infinity`; JSON has finite numbers only"],
+    },
+    Scene {
+        what: "Single quotes",
+        text: "{\"camera\": {«'vfov': 40}}",
+        messages: &[
+            "invalid JSON: key must be a string, found `'vfov':`; JSON's keys and strings take double quotes (\")",
+        ],
     },
     Scene {
         what: "A byte order mark",
@@ -68,7 +80,7 @@ const JSON: &[Scene] = &[
     Scene {
         what: "A comment",
         text: "{\"camera\": {} «// the default\n}",
-        messages: &["invalid JSON: expected `,` or `}`, found `//`"],
+        messages: &["invalid JSON: expected `,` or `}`, found `//`; JSON has no comments: delete it"],
     },
     Scene {
         what: "Something after the end",
@@ -83,7 +95,13 @@ const JSON: &[Scene] = &[
     Scene {
         what: "No object", text: "«[]", messages: &["expected an object with a \"camera\", found an empty array"]
     },
-    Scene { what: "No camera", text: "«{}", messages: &["\"camera\" is missing"] },
+    Scene {
+        what: "No camera",
+        text: "«{}",
+        messages: &[
+            "\"camera\" is missing; for example \"camera\": {\"transform\": {\"from\": [0, 1, 5], \"at\": [0, 0, 0], \"up\": [0, 1, 0]}, \"vfov\": 40}",
+        ],
+    },
     Scene {
         what: "A key that is no text",
         text: r#"{"camera": {«"\ud800": 1}}"#,
@@ -184,7 +202,15 @@ const NAMES: &[Scene] = &[
                {\"name\": \"b\", \"type\": \"checker\", \"even\": \"a\", \"odd\": 0}]}",
         messages: &[
             "/textures/0/even: no texture is named \"a\"; there are no named textures here",
-            "/textures/0/odd: no texture is named \"b\"; there are no named textures here",
+            "/textures/0/odd: the texture \"b\" is defined below, on line 3; move it before what is made of it",
+        ],
+    },
+    Scene {
+        what: "A material used before it is defined",
+        text: "{\"camera\": {}, \"materials\": [\n  {\"name\": \"m\", \"type\": \"blend\", \"a\": «\"white\", \"b\": «\"white\", \"amount\": 0.5},\n  {\"name\": \"white\", \"type\": \"lambertian\", \"albedo\": 1}]}",
+        messages: &[
+            "/materials/0/a: the material \"white\" is defined below, on line 3; move it before what is made of it",
+            "/materials/0/b: the material \"white\" is defined below, on line 3; move it before what is made of it",
         ],
     },
     Scene {

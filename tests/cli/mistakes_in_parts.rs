@@ -231,6 +231,11 @@ pub const SURFACES: &[Scene] = &[
         ],
     },
     Scene {
+        what: "A length too small for 32 bits",
+        text: r#"{"camera": {}, "surfaces": [{"type": "sphere", "radius": «1e-46, "material": {"type": "mirror"}}]}"#,
+        messages: &["/surfaces/0/radius: 1e-46 is 0 as a 32-bit float; allowed: 1e-45 or more"],
+    },
+    Scene {
         what: "Sizes of zero or less",
         text: "{\"camera\": {}, \"surfaces\": [{\"type\": \"quad\", \"size\": [1, «0], \"material\": {\"type\": \"mirror\"}},\n  \
                {\"type\": \"sphere\", \"radius\": «-2, \"material\": {\"type\": \"mirror\"}, \"flip_normals\": «\"yes\"}]}",
