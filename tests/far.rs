@@ -156,7 +156,7 @@ fn a_light_over_a_huge_floor_shines_on_it() {
             let huge = render_once(&scene, settings(integrator, 6), 1024, None).image.mean()[0];
             // The light's height is known to a quarter of a unit, and so is the camera's.
             assert!(
-                (huge / plain - 1.0).abs() < 0.25,
+                (huge / plain - 1.0).abs() < 0.1,
                 "turned {turn}, {integrator:?}: {huge}, and {plain} of a smaller floor"
             );
         }
