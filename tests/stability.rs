@@ -447,7 +447,8 @@ fn no_ray_gets_out_between_slivers() {
 #[test]
 fn a_light_just_below_a_floor_is_hidden_from_all_techniques_or_from_none() {
     let (mut lit, mut dark) = (0, 0);
-    for ulps in (0..64).step_by(3).chain([200, 1000]) {
+    // Within its rounding, about four ulps, it stands on the floor.
+    for ulps in (0..8).chain((9..64).step_by(3)).chain([200, 1000]) {
         let y = -1.0 - f64::from(ulps) * f64::from(f32::EPSILON);
         let scene = scene(&room_with_light_at(y));
         let [path, light, bdpt] = [Integrator::Path, Integrator::Light, Integrator::Bdpt]

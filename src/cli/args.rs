@@ -34,6 +34,7 @@ pub enum Command {
     /// Convert an image between EXR and PNG
     Convert(ConvertArgs),
     /// Render scenes at the edge of what numbers can hold, and judge them
+    #[command(after_help = crate::stress::LEGEND)]
     Stress(StressArgs),
     /// Say how far rounding takes a scene's contributions and weights
     Precision(PrecisionArgs),

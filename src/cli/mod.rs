@@ -15,6 +15,7 @@ mod sheet;
 mod stats;
 mod stress;
 mod trace;
+mod words;
 
 use std::fmt::Display;
 use std::io::Write;

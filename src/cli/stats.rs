@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use crate::integrator::Reason;
 use crate::render::{RenderJob, Rendered};
 use crate::scene::desc::SceneDesc;
 
@@ -36,11 +37,11 @@ pub fn json(job: &RenderJob, desc: &SceneDesc, accel: &str, rendered: &Rendered,
     let s = &job.settings;
     let rays = &rendered.rays;
     let seconds = phases.render.as_secs_f64();
-    let first: Vec<Value> = rendered
-        .rejected_first
-        .iter()
-        .map(|r| json!({"pixel": r.pixel, "sample": r.sample, "technique": [r.technique.s, r.technique.t]}))
-        .collect();
+    let first = |reason: Reason| -> Vec<Value> {
+        let told = rendered.rejected_first.iter().filter(|r| r.reason == reason);
+        told.map(|r| json!({"pixel": r.pixel, "sample": r.sample, "technique": [r.technique.s, r.technique.t]}))
+            .collect()
+    };
     json!({
         "scene": format!("{:032x}", desc.fingerprint),
         "version": env!("CARGO_PKG_VERSION"),
@@ -78,7 +79,8 @@ pub fn json(job: &RenderJob, desc: &SceneDesc, accel: &str, rendered: &Rendered,
             "total": rays.total(),
             "per_second": rays.total() as f64 / seconds.max(1e-9),
         },
-        "non_finite": {"count": rendered.rejected, "first": first},
+        "non_finite": {"count": rendered.rejected, "first": first(Reason::NotFinite)},
         "overflows": rendered.overflows,
+        "overflows_first": first(Reason::TooLarge),
     })
 }

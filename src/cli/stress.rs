@@ -1,5 +1,7 @@
 //! `twinlight stress`: scenes at the edge of what numbers can hold.
 
+use std::path::Path;
+
 use super::args::StressArgs;
 use super::{Failure, count, print, status, tell};
 use crate::output::write_atomically;
@@ -7,6 +9,17 @@ use crate::stress::{self, HEADING};
 
 /// Samples per pixel and seed of a quick run and of a full one.
 const SAMPLES: [u32; 2] = [4, 16];
+
+/// The command that makes such a report, but for where it goes: that is told of the page in `docs` alone.
+fn command(args: &StressArgs) -> String {
+    let mut words = vec!["twinlight stress".to_owned()];
+    words.extend(args.full.then(|| "--full".to_owned()));
+    words.extend(args.case.iter().map(|case| format!("--case {case:?}")));
+    if args.output.as_deref().is_some_and(|path| path == Path::new("docs/STRESS.md")) {
+        words.push("-o docs/STRESS.md".to_owned());
+    }
+    words.join(" ")
+}
 
 pub fn run(args: &StressArgs) -> Result<(), Failure> {
     let format = match &args.output {
@@ -38,7 +51,7 @@ pub fn run(args: &StressArgs) -> Result<(), Failure> {
     if let Some((path, format)) = format {
         let text = match format {
             "html" => report.html(),
-            "md" => report.markdown(),
+            "md" => report.markdown(&command(args)),
             _ => format!("{:#}\n", report.json()),
         };
         write_atomically(path, text.as_bytes()).map_err(Failure::other)?;

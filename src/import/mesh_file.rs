@@ -8,6 +8,7 @@ use flate2::read::MultiGzDecoder;
 use super::scan::{MeshError, Spot};
 use super::{obj, place_in_file, ply};
 use crate::decode::{OpenError, open_regular};
+use crate::math::DVec3;
 use crate::scene::desc::{Diagnostic, MeshDesc};
 
 /// Largest size in bytes that a compressed mesh may inflate to: a small file can be made to fill any memory.
@@ -70,7 +71,7 @@ pub fn mesh_from_bytes(bytes: &[u8], format: MeshFormat, file: &str) -> Result<M
         MeshFormat::Obj => obj::parse(bytes),
         MeshFormat::Ply => ply::parse(bytes),
     };
-    mesh.map_err(|error| {
+    mesh.and_then(|mesh| if has_area(&mesh) { Ok(mesh) } else { Err(no_area(&mesh)) }).map_err(|error| {
         let MeshError { at, message } = *error;
         match at {
             Spot::File => Diagnostic { at: place_in_file(file, 0, 0), message },
@@ -79,6 +80,21 @@ pub fn mesh_from_bytes(bytes: &[u8], format: MeshFormat, file: &str) -> Result<M
                 Diagnostic { at: place_in_file(file, 0, 0), message: format!("at byte {byte}: {message}") }
             }
         }
+    })
+}
+
+/// Whether some triangle has an area.
+fn has_area(mesh: &MeshDesc) -> bool {
+    mesh.triangles.iter().any(|triangle| {
+        let [a, b, c] = triangle.map(|i| DVec3::from(mesh.positions[i as usize].map(f64::from)));
+        (b - a).cross(c - a) != DVec3::ZERO
+    })
+}
+
+fn no_area(mesh: &MeshDesc) -> Box<MeshError> {
+    MeshError::file(match mesh.triangles.len() {
+        1 => "the mesh's only triangle has no area: its corners are on one line".to_owned(),
+        n => format!("none of the mesh's {n} triangles has an area: the corners of each are on one line"),
     })
 }
 

@@ -138,11 +138,24 @@ impl<'a> Context<'a> {
 
     fn quad(&mut self, object: &Object<'a>) -> Option<ShapeDesc> {
         let size = object.get("size").map_or(Some([1.0; 2]), |node| self.vector(node, POSITIVE))?;
+        self.check_length(object.get("size"), &size)?;
         Some(ShapeDesc::Quad { size })
     }
 
     fn radius(&mut self, object: &Object<'a>) -> Option<f64> {
-        object.get("radius").map_or(Some(1.0), |node| self.number(node, POSITIVE))
+        let radius = object.get("radius").map_or(Some(1.0), |node| self.number(node, POSITIVE))?;
+        self.check_length(object.get("radius"), &[radius])?;
+        Some(radius)
+    }
+
+    /// Lengths that are 0 as 32-bit floats leave nothing to see.
+    fn check_length(&mut self, node: Option<&Node<'a>>, lengths: &[f64]) -> Option<()> {
+        let lost = lengths.iter().find(|x| **x as f32 == 0.0);
+        if let (Some(length), Some(node)) = (lost, node) {
+            self.error(node, format!("{length:e} is 0 as a 32-bit float; allowed: 1e-45 or more"));
+            return None;
+        }
+        Some(())
     }
 
     fn mesh(&mut self, object: &Object<'a>) -> Option<MeshDesc> {

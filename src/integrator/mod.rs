@@ -9,7 +9,7 @@ mod roulette;
 pub mod trace;
 
 pub use class::PathClass;
-pub use recorder::{Contribution, Rays, Recorder, Rejected, Technique};
+pub use recorder::{Contribution, Rays, Reason, Recorder, Rejected, Technique};
 pub use roulette::Roulette;
 
 use crate::accel::Accel;

@@ -187,7 +187,8 @@ pub(super) fn sample<A: Accel, const T: bool>(
                 let le = light.emitted(&y.point, -wi);
                 let value = if le == Rgb::ZERO { None } else { bsdf.eval(at, wo, wi, Transport::Radiance) };
                 if let Some(value) = value {
-                    let visible = scene.visibility(&y.point.shadow_ray(at), &mut recorder.rays.shadow);
+                    let segment = y.point.shadow_ray(at);
+                    let visible = scene.visibility(&segment, &mut recorder.rays.shadow);
                     let pdf_light = y.pdf.0 * d2;
                     // Densities at the light, both multiplied by d²/cos to stay finite as d shrinks.
                     let w = || match light.is_delta() {
@@ -197,6 +198,7 @@ pub(super) fn sample<A: Accel, const T: bool>(
                     let weighted =
                         |w: f32, visible: f32| scaled(beta * value.f, le, cos / pdf_light * f64::from(w * visible));
                     recorder.tell(|| made(1, t, id, Some([weighted(1.0, 1.0), weighted(w(), 1.0)]), visible));
+                    recorder.tell_blocker(visible, || scene.blocker(&segment));
                     if visible > 0.0 {
                         recorder.add(1, t, weighted(w(), visible));
                     }

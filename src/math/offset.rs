@@ -21,10 +21,19 @@ pub struct PointWithError {
     pub error: Vec3,
 }
 
-/// The least distance an origin is moved, render space, where the whole scene is about one unit large. A plane through
-/// the origin of the coordinates along an axis is known without error, and a bound of nothing would leave the ray on it:
-/// the next float above zero is one that the processor takes for zero.
-const LEAST_OFFSET: f32 = 1.0 / (1u64 << 40) as f32;
+/// The share of a point's error that a surface along an axis is left by at least. A plane through the origin of the
+/// coordinates along an axis is known without error, and a bound of nothing would leave the ray on it: the next float above
+/// zero is one that the processor takes for zero.
+const LEAST_SHARE: f32 = 1.0 / (1u32 << 20) as f32;
+
+/// The least of all, render space, for points at the origin itself: products with edges do not underflow.
+const LEAST_OFFSET: f32 = 1.0 / (1u64 << 60) as f32;
+
+/// Bound on how far from a point its surface may be along the surface's unit normal.
+#[inline]
+pub fn normal_error(point: PointWithError, ng: Vec3) -> f32 {
+    (ng.abs() + LEAST_SHARE).dot(point.error) + LEAST_OFFSET
+}
 
 /// Moves a surface point along its geometric normal to the side of `towards`, just far enough that neither the
 /// point's own error nor the traversal's lets a ray that starts there meet the surface again
@@ -33,7 +42,7 @@ const LEAST_OFFSET: f32 = 1.0 / (1u64 << 40) as f32;
 /// `ng` is a unit vector; `towards` any vector on the side to leave to.
 #[inline]
 pub fn offset_origin(point: PointWithError, ng: Vec3, towards: Vec3) -> Vec3 {
-    let distance = ng.abs().dot(point.error) + LEAST_OFFSET;
+    let distance = normal_error(point, ng);
     let n = if ng.dot(towards) < 0.0 { -ng } else { ng };
     let moved = point.p + n * distance;
     // Round each coordinate away from the surface, so that the sum's own rounding cannot undo the offset.

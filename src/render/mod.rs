@@ -16,7 +16,6 @@ use rayon::prelude::*;
 use crate::accel::Accel;
 use crate::film::{Accumulator, Image, Quanta, Squares, VarianceFilm};
 use crate::integrator::{Contribution, Crop, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique};
-use crate::light::Light;
 use crate::planted::{Bug, planted};
 use crate::scene::Scene;
 
@@ -48,10 +47,10 @@ pub struct Rendered {
     pub rays: Rays,
     /// How many contributions were not finite.
     pub rejected: u64,
-    /// The first of them in order of pixel and sample.
-    pub rejected_first: Vec<Rejected>,
     /// Contributions too large for the film.
     pub overflows: u64,
+    /// The first of those that were not finite, in order of pixel and sample, then the first of those that were too large.
+    pub rejected_first: Vec<Rejected>,
     /// Whether the render was stopped before its last sample; the image is then not the job's.
     pub stopped: bool,
 }
@@ -206,23 +205,31 @@ struct Run<'a, A> {
 struct Totals {
     rays: Rays,
     rejected: u64,
+    overflows: u64,
     rejected_first: Vec<Rejected>,
 }
 
+/// How many rejected contributions are named, for each reason.
+const NAMED: usize = 16;
+
 impl Totals {
-    /// Keeps the first few of all rejected contributions, in order of pixel and sample.
+    /// Keeps the first few of all rejected contributions, by reason, in order of pixel and sample.
     fn keep(&mut self, more: &[Rejected]) {
         if !more.is_empty() {
             self.rejected_first.extend_from_slice(more);
-            self.rejected_first.sort_by_key(|r| ([r.pixel[1], r.pixel[0]], r.sample, r.technique));
-            self.rejected_first.truncate(16);
+            self.rejected_first.sort_by_key(|r| (r.reason, [r.pixel[1], r.pixel[0]], r.sample, r.technique));
+            let mut kept = [0; 2];
+            self.rejected_first.retain(|r| {
+                kept[r.reason as usize] += 1;
+                kept[r.reason as usize] <= NAMED
+            });
         }
     }
 }
 
 impl<'a, A: Accel> Run<'a, A> {
     fn new(scene: &'a Scene<A>, job: &'a RenderJob, progress: &'a (dyn Fn(Progress) -> bool + Sync)) -> Self {
-        let emission = scene.lights.iter().map(Light::brightness).fold(0.0, f32::max);
+        let emission = scene.brightness;
         let splats = SampleLoop::new(scene, job.settings).splats();
         Self {
             scene,
@@ -256,7 +263,8 @@ impl<'a, A: Accel> Run<'a, A> {
         };
         (0..tiles * ranges).into_par_iter().for_each_init(
             || {
-                let recorder = Recorder::new(self.job.crop, self.job.pyramid.is_some());
+                let largest = Accumulator::largest(self.emission);
+                let recorder = Recorder::new(self.job.crop, self.job.pyramid.is_some()).within(largest);
                 (SampleLoop::new(self.scene, self.job.settings), recorder)
             },
             |(integrator, recorder), number| {
@@ -315,6 +323,7 @@ impl<'a, A: Accel> Run<'a, A> {
             totals.rays += recorder.rays;
             let (count, first) = recorder.rejected();
             totals.rejected += count;
+            totals.overflows += recorder.overflows();
             totals.keep(first);
         }
         let total = self.region.pixels() * u64::from(self.job.samples);
@@ -334,7 +343,7 @@ impl<'a, A: Accel> Run<'a, A> {
             rays: totals.rays,
             rejected: totals.rejected,
             rejected_first: totals.rejected_first,
-            overflows: self.film.overflows(),
+            overflows: totals.overflows + self.film.overflows(),
             stopped: self.stopped.load(Ordering::Relaxed),
         }
     }

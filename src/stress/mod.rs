@@ -15,7 +15,7 @@ pub use case::{Case, Expected};
 pub use cases::cases;
 pub use measure::{Audit, Measured, Run, WEIGHTS, audit, faults_of_weights, measure, weights};
 pub use precision::{Precision, bytes_per_sample, precision};
-pub use report::{HEADING, Report, Row};
+pub use report::{HEADING, LEGEND, Report, Row};
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

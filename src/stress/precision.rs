@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::quantiles::{Errors, QUANTILES};
 use crate::accel::Accel;
+use crate::film::Accumulator;
 use crate::integrator::bdpt::oracle::replay::{Compared, Judged, judge, settings};
 use crate::integrator::bdpt::oracle::{Faults, Judge, worse};
 use crate::integrator::trace::Step;
@@ -32,6 +33,8 @@ pub struct Precision {
     /// Over all paths: their values, how rounding changes these, the sizes of the changes.
     sums: [f64; 3],
     untold: u64,
+    /// Contributions that were kept from the image: not finite, too large.
+    left_out: [u64; 2],
     faults: Faults,
 }
 
@@ -72,7 +75,7 @@ pub fn precision<A: Accel>(scene: &Scene<A>, given: Settings, samples: u32) -> P
     let [width, height] = scene.camera.resolution();
     let of_row = |y: u32| {
         let of_scene = Judge::new(scene, settings);
-        let mut recorder = Recorder::traced(Crop::full([width, height]));
+        let mut recorder = Recorder::traced(Crop::full([width, height])).within(Accumulator::largest(scene.brightness));
         let mut loops = SampleLoop::new(scene, settings);
         let (mut row, mut judged) = (Precision::default(), Judged::default());
         for x in 0..width {
@@ -82,6 +85,7 @@ pub fn precision<A: Accel>(scene: &Scene<A>, given: Settings, samples: u32) -> P
             }
         }
         (row.untold, row.faults) = (judged.untold, judged.faults);
+        row.left_out = [recorder.rejected().0, recorder.overflows()];
         row
     };
     let mut all = Precision::default();
@@ -143,6 +147,9 @@ impl Precision {
         }
         self.add(o.sums);
         self.untold += o.untold;
+        for (n, other) in self.left_out.iter_mut().zip(o.left_out) {
+            *n += other;
+        }
         self.faults = std::mem::take(&mut self.faults).merge(o.faults);
     }
 
@@ -204,6 +211,22 @@ impl Precision {
             // Writing to a String cannot fail.
             let _ = writeln!(out, "{text}");
         };
+        let [bad, large] = self.left_out;
+        if bad + large > 0 {
+            line(
+                &mut out,
+                format!(
+                    "left out of the image: {bad} contributions that are not finite, {large} that overflow the film"
+                ),
+            );
+        }
+        if self.paths() == 0 {
+            line(&mut out, format!("no paths found that carry light and can be judged; {} not judged", self.untold));
+            if self.faults.count > 0 {
+                line(&mut out, format!("fault: {}", self.faults));
+            }
+            return out;
+        }
         line(&mut out, format!("{} paths against f64, {} more not judged", self.paths(), self.untold));
         line(
             &mut out,
@@ -258,10 +281,13 @@ impl Precision {
             let row = Row::new(String::new(), both);
             json!({ "power": power, "paths": row.paths, "contribution": row.contribution, "weight": row.weight })
         };
-        let [sum, sizes] = self.image();
+        // Of no paths there is no image.
+        let [sum, sizes] = self.image().map(|x| x.is_finite().then_some(x));
         json!({
             "paths": self.paths(),
             "unjudged": self.untold,
+            "non_finite": self.left_out[0],
+            "overflows": self.left_out[1],
             "quantiles": QUANTILES,
             "rows": self.rows().iter().map(row).collect::<Vec<Value>>(),
             "image": { "sum": sum, "sizes": sizes },

@@ -19,7 +19,16 @@ fn reports_hold_what_the_table_does() {
     assert!(rows.iter().any(|row| row["case"] == "no area" && row["energy_low"] == 0.0 && row["rays"] != 0), "{json}");
     for page in ["r.html", "r.md"] {
         let text = std::fs::read_to_string(folder.path(page)).unwrap();
-        assert_eq!(text.matches("spot 0°").count(), rows.len() / 2, "{text}");
+        let (head, table) = text.split_once(if page == "r.md" { "| case |" } else { "<table>" }).unwrap();
+        assert_eq!(table.matches("spot 0°").count(), rows.len() / 2, "{text}");
+        assert!(
+            head.contains("ok: ")
+                && table.contains("judged by")
+                && table.contains("<td>same bits<td>") == (page == "r.html"),
+            "{text}"
+        );
+        let made = "Made by `twinlight stress --case \"no area\" --case \"spot 0°\"`; not";
+        assert!(page == "r.html" || head.contains(made), "{text}");
     }
 }
 

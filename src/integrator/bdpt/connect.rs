@@ -142,11 +142,13 @@ impl Bdpt {
             recorder.tell(|| made(1, z.number, None, Some(id), None, 0.0));
             return;
         };
-        let visible = scene.visibility(&y.point.shadow_ray(&z.at), &mut recorder.rays.shadow);
+        let segment = y.point.shadow_ray(&z.at);
+        let visible = scene.visibility(&segment, &mut recorder.rays.shadow);
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_next_event(scene, light, &y.point, y.pdf.0, pmf, z);
             made(1, z.number, None, Some(id), plain.map(|plain| [plain, value]), visible)
         });
+        recorder.tell_blocker(visible, || scene.blocker(&segment));
         if visible > 0.0 {
             recorder.add(1, z.number, value * visible);
         }
@@ -209,6 +211,7 @@ impl Bdpt {
                 let plain = self.unweighted().evaluate_connection(y, z);
                 made(y.number, z.number, None, None, plain.map(|plain| [plain, value]), visible)
             });
+            recorder.tell_blocker(visible, || scene.blocker(&segment));
             if visible > 0.0 {
                 let value = if planted(Bug::EmissionInConnections) { value + emission(scene, z) } else { value };
                 recorder.add(y.number, z.number, value * visible);
@@ -257,11 +260,13 @@ impl Bdpt {
             recorder.tell(|| made(y.number, 1, None, None, None, 0.0));
             return;
         };
-        let visible = scene.visibility(&Ray::segment(y.at.origin(lens.wi), lens.p), &mut recorder.rays.lens);
+        let segment = Ray::segment(y.at.origin(lens.wi), lens.p);
+        let visible = scene.visibility(&segment, &mut recorder.rays.lens);
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_lens(scene, y, &numbers);
             made(y.number, 1, Some((lens.pixel, numbers)), None, plain.map(|(_, plain)| [plain, value]), visible)
         });
+        recorder.tell_blocker(visible, || scene.blocker(&segment));
         if visible > 0.0 {
             recorder.splat(y.number, 1, lens.pixel, value * visible);
         }
@@ -305,11 +310,13 @@ impl Bdpt {
             recorder.tell(|| made(1, 1, None, None, None, 0.0));
             return;
         };
-        let visible = scene.visibility(&Ray::segment(y.origin(lens.wi), lens.p), &mut recorder.rays.lens);
+        let segment = Ray::segment(y.origin(lens.wi), lens.p);
+        let visible = scene.visibility(&segment, &mut recorder.rays.lens);
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_light_in_lens(scene, light, y, pdf_position, &numbers);
             made(1, 1, Some((lens.pixel, numbers)), None, plain.map(|(_, plain)| [plain, value]), visible)
         });
+        recorder.tell_blocker(visible, || scene.blocker(&segment));
         if visible > 0.0 {
             recorder.splat(1, 1, lens.pixel, value * visible);
         }

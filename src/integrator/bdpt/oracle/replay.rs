@@ -159,7 +159,7 @@ impl Walks {
                 self.left = Some((*toward, *through_window));
             }
             Step::LightSampled { point, .. } => self.sampled = Some(*point),
-            Step::Left { .. } | Step::Ended(_) | Step::Made(_) => {}
+            Step::Left { .. } | Step::Ended(_) | Step::Made(_) | Step::Blocked { .. } => {}
         }
     }
 
