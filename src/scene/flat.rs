@@ -11,6 +11,21 @@ pub(super) fn error(scale: f64) -> f64 {
     KNOWN / scale
 }
 
+/// What to say of a surface in a plane in which all of its checker is "even"; `everywhere`, where that is no matter of the plane.
+pub(super) fn advice(axis: usize, place: f64, everywhere: bool) -> String {
+    let (axis, place) = (["x", "y", "z"][axis], place + 0.0); // −0 is 0.
+    if everywhere {
+        return format!(
+            "the scale of its checker along {axis} is 0, where a sine is zero everywhere: all of the surface is \"even\"; give \
+             the checker another scale along {axis}"
+        );
+    }
+    format!(
+        "the surface lies in the plane {axis} = {place}, where a sine of its checker is zero: all of it is \"even\"; \
+         move it along {axis}, by half a cell (π/2 over the checker's scale) say"
+    )
+}
+
 /// The axes across which a surface lies flat, to an error, each with its place there; world units.
 pub(super) fn planes(surface: &SurfaceDesc, error: f64) -> Vec<(usize, f64)> {
     let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
