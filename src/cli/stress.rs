@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::args::StressArgs;
 use super::{Failure, count, print, status, tell};
-use crate::output::write_atomically;
+use crate::output::{check_place, write_atomically};
 use crate::stress::{self, HEADING};
 
 /// Samples per pixel and seed of a quick run and of a full one.
@@ -25,7 +25,11 @@ pub fn run(args: &StressArgs) -> Result<(), Failure> {
     let format = match &args.output {
         None => None,
         Some(path) => match path.extension().and_then(|e| e.to_str()) {
-            Some(format @ ("html" | "json" | "md")) => Some((path, format)),
+            Some(format @ ("html" | "json" | "md")) => {
+                // Not after minutes.
+                check_place(path).map_err(Failure::other)?;
+                Some((path, format))
+            }
             _ => {
                 let path = path.display();
                 return Err(Failure::usage(format!(
@@ -44,10 +48,13 @@ pub fn run(args: &StressArgs) -> Result<(), Failure> {
     }
     print(&format!("{HEADING}\n"));
     let hook = std::panic::take_hook();
-    // A panic is a row's verdict.
-    std::panic::set_hook(Box::new(|_| {}));
+    // A panic within a case is a row's verdict.
+    std::panic::set_hook(Box::new(move |info| {
+        if !stress::is_guarded() {
+            hook(info);
+        }
+    }));
     let report = stress::run(&cases, SAMPLES[usize::from(args.full)], &mut |row| print(&format!("{}\n", row.line())));
-    std::panic::set_hook(hook);
     if let Some((path, format)) = format {
         let text = match format {
             "html" => report.html(),

@@ -40,6 +40,14 @@ pub enum MeshFormat {
 /// When the file is no regular one, cannot be read, is of no known format (told by its name's ending), or is not a valid
 /// mesh.
 pub fn load_mesh(path: &Path) -> Result<MeshDesc, MeshFileError> {
+    load_mesh_within(path, MAX_INFLATED_BYTES)
+}
+
+/// `load_mesh` with a limit in bytes, beside [`MAX_INFLATED_BYTES`], to what a compressed file may inflate to.
+///
+/// # Errors
+/// As there, and when it is more.
+pub fn load_mesh_within(path: &Path, memory: u64) -> Result<MeshDesc, MeshFileError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let (stem, compressed) = name.strip_suffix(".gz").map_or((name.as_str(), false), |stem| (stem, true));
     let format = match stem.rsplit_once('.').map(|(_, extension)| extension) {
@@ -55,7 +63,7 @@ pub fn load_mesh(path: &Path) -> Result<MeshDesc, MeshFileError> {
     })?;
     let mut bytes = Vec::new();
     if compressed {
-        inflate(file, MAX_INFLATED_BYTES, &mut bytes).map_err(unreadable)?;
+        inflate(file, memory.min(MAX_INFLATED_BYTES), &mut bytes).map_err(unreadable)?;
     } else {
         file.read_to_end(&mut bytes).map_err(unreadable)?;
     }
@@ -128,6 +136,16 @@ mod tests {
         let mut out = Vec::new();
         let error = inflate(data.as_slice(), 999, &mut out).unwrap_err().to_string();
         assert_eq!(error, "it inflates to more than 999 bytes, the most that is allowed");
+    }
+
+    #[test]
+    fn a_compressed_mesh_ends_at_the_limit_given() {
+        let path = std::env::temp_dir().join(format!("twinlight-limit-{}.obj.gz", std::process::id()));
+        std::fs::write(&path, gzip(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).unwrap();
+        let [enough, little] = [32, 31].map(|most| load_mesh_within(&path, most));
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(enough.unwrap().triangles.len(), 1);
+        assert!(matches!(little, Err(MeshFileError::Unreadable(why)) if why.contains("more than 31 bytes")));
     }
 
     #[test]

@@ -181,7 +181,9 @@ impl<'a> Context<'a> {
         let name = self.string(node)?;
         let path = self.base_dir.join(&name);
         self.check_memory(node, &path)?;
-        match mesh_file::load_mesh(&path) {
+        // Of a compressed file the size is known when it has been inflated.
+        let [most, taken] = self.memory;
+        match mesh_file::load_mesh_within(&path, most.saturating_sub(taken)) {
             Ok(mesh) => {
                 let MeshDesc { positions, normals, uvs, triangles } = &mesh;
                 let sizes = [size_of_val(&positions[..]), size_of_val(&normals[..]), size_of_val(&uvs[..])];
@@ -190,7 +192,11 @@ impl<'a> Context<'a> {
             }
             Err(mesh_file::MeshFileError::Unreadable(what)) => {
                 // The system's own words end with its number; others say themselves what to do.
-                let hint = if what.contains("(os error ") { super::CHECK_NAME } else { "" };
+                let hint = match () {
+                    () if what.contains("(os error ") => super::CHECK_NAME,
+                    () if what.contains("it inflates to more than") => "; use a simpler mesh or a larger --max-memory",
+                    () => "",
+                };
                 self.error(node, format!("cannot read {}: {what}{hint}", path.display()));
                 None
             }

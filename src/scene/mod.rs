@@ -25,7 +25,7 @@ use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::geometry::{Geometry, GeometryKind, Hit, SurfacePoint};
 use crate::light::{Light, LightChoice, LightPoint, Receiver};
-use crate::math::{Ray, Vec3, next_up};
+use crate::math::{Ray, Vec3, past};
 use crate::pdf::LightPointPdf;
 use crate::planted::{Bug, planted};
 use crate::sampling::Coins;
@@ -234,5 +234,5 @@ fn beyond(ray: &Ray, hit: &Hit, at: &SurfacePoint) -> Ray {
     if (next - ray.at(ray.tmin)).dot(ray.d) > 0.0 {
         return Ray::new(next, ray.d);
     }
-    Ray { tmin: next_up(hit.t), tmax: f32::INFINITY, ..*ray }
+    Ray { tmin: past(hit.t), tmax: f32::INFINITY, ..*ray }
 }

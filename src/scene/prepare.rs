@@ -82,7 +82,10 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     let maps = desc.surfaces.iter().any(|s| s.finish.normal_map.is_some() || s.finish.bump_map.is_some());
     let geometry = Geometry { wants_uv: maps || details.want_uv(), ..Geometry::default() };
     let mut builder = Builder { to_render, scale, center, geometry, details, ..Builder::default() };
-    for (surface, duplicate) in desc.surfaces.iter().zip(duplicate_emitters(desc)) {
+    let is_black = |texture: usize| builder.details.texture(texture).largest() == Rgb::ZERO;
+    let duplicates = duplicate_emitters(desc, is_black);
+    builder.shining = ShiningTriangles::beside(desc, &duplicates, &to_render, is_black);
+    for (surface, duplicate) in desc.surfaces.iter().zip(duplicates) {
         if duplicate { builder.pass_over(surface) } else { builder.add(desc, surface) }
     }
     let ball = ball(&builder.geometry);
@@ -249,7 +252,7 @@ impl Builder {
 
     /// Leaves out an emitter that is there already; its number stays taken.
     fn pass_over(&mut self, surface: &SurfaceDesc) {
-        self.warn(surface, "this light is exactly where an earlier one is: it is left out".into());
+        self.warn(surface, "this light is exactly where another one is: it is left out".into());
         self.surfaces.push(Surface { bsdf: Bsdf::Black, light: None, detail: None });
     }
 
@@ -280,12 +283,7 @@ impl Builder {
         let (error, planes) = flat::planes(surface, self.center);
         for (axis, place) in planes {
             if uses(self, &|t| t.is_even_in_plane(axis, place, error)) {
-                let axis = ["x", "y", "z"][axis];
-                let message = format!(
-                    "the surface lies in the plane {axis} = {}, where a sine of its checker is zero: all of it is \"even\"; \
-                     move it along {axis}, by half a cell (π/2 over the checker's scale) say",
-                    place + 0.0 // −0 is 0.
-                );
+                let message = flat::advice(axis, place, uses(self, &|t| t.is_even_across(axis)));
                 self.warn(surface, message);
             }
         }

@@ -20,6 +20,7 @@ pub use report::{HEADING, LEGEND, Report, Row};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use serde_json::Value;
 
@@ -192,10 +193,33 @@ fn build<A: Accel>(scene: &Value) -> Result<Scene<A>, String> {
     .and_then(|built| built)
 }
 
+/// How much of such work is going on.
+static GUARDED: AtomicU32 = AtomicU32::new(0);
+
+/// Whether a case is being worked on, on whatever thread: a panic is a row's verdict then, and a panic hook has nothing to say.
+pub fn is_guarded() -> bool {
+    GUARDED.load(Ordering::SeqCst) > 0
+}
+
 /// A panic is a finding like others.
 fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+    GUARDED.fetch_add(1, Ordering::SeqCst);
+    let result = catch_unwind(AssertUnwindSafe(work));
+    GUARDED.fetch_sub(1, Ordering::SeqCst);
+    result.map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         format!("panics: {}", text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("without a word"))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_a_verdict_and_nothing_else_is_silent() {
+        assert_eq!(guarded(is_guarded), Ok(true));
+        let verdict = guarded(|| -> u32 { std::panic::panic_any("planted") });
+        assert_eq!(verdict, Err("panics: planted".to_owned()));
+    }
 }

@@ -130,12 +130,12 @@ pub const HEADING: &str =
 
 /// What a case's image is judged by, in a few letters.
 fn judged(case: &Case) -> String {
-    let percent = format!("±{} %", 100.0 * case.bound);
+    let apart = case.apart.map_or_else(String::new, |(by, _)| format!(" {:+.2}", 100.0 * by));
+    let percent = format!("±{} %{apart}", 100.0 * case.bound);
     match &case.expected {
         Expected::SameAs { .. } | Expected::Mean(_) => percent,
         Expected::SameBits { .. } => "same bits".to_owned(),
         Expected::Nothing => "black".to_owned(),
-        Expected::Finite => "finite".to_owned(),
     }
 }
 
@@ -143,8 +143,8 @@ fn judged(case: &Case) -> String {
 pub const LEGEND: &str = "\
 ok: no contribution is not finite, no ray meets the primitive it left or leaves a closed room, the weights of bdpt's paths sum
 to 1 within 1e-4, and the image is what it is judged by: ±x %, the 99 % interval of its energy, relative to what is expected,
-lies within x % and no test finds a difference; same bits, every pixel is the undisturbed scene's times a power of two; black,
-nothing is seen; finite, there is nothing to compare it with, and the rest has to hold alone.";
+lies within x % and no test finds a difference (+y: what is compared differs by y % by itself, for the reason that the case
+gives); same bits, every pixel is the undisturbed scene's times a power of two; black, nothing is seen.";
 
 /// All rows.
 #[derive(Clone, Debug)]

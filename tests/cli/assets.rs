@@ -187,7 +187,7 @@ pub const MESH_FILES: &[Asset] = &[
         what: "OBJ: another format",
         name: "a.obj",
         content: Content::Text("solid cube\n"),
-        message: ":1:1: unknown statement `solid`; allowed: v, vt, vn, f, g, o, s, usemtl, mtllib",
+        message: ":1:1: unknown statement `solid`; allowed: v, vt, vn, f, l, p, g, o, s, usemtl, mtllib",
         ..ASSET
     },
     Asset {

@@ -43,3 +43,12 @@ fn unknown_cases_and_reports_are_usage_errors() {
     assert_eq!(outcome.stderr, "twinlight: report.txt: a report is an .html, .json or .md file; give it such a name\n");
     assert!(outcome.stdout.is_empty() && folder.names().is_empty());
 }
+
+#[test]
+fn a_report_that_cannot_be_written_is_told_before_the_work() {
+    let folder = Folder::with_room("stress_unwritable");
+    let told = folder.run(&["stress", "-o", "nowhere/report.md"]);
+    assert_eq!(told.status, Some(1));
+    assert!(told.stderr.contains("cannot write `nowhere/report.md`"), "{}", told.stderr);
+    assert_eq!(told.stdout, "");
+}
