@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A module imports from those before it; those in braces are peers.
-const ORDER: &str = "planted → math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → stress → cli";
+const ORDER: &str = "planted → math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → {stress, bench} → cli";
 
 /// Modules beside the order, and the only ones they import from. `scene::desc` is counted apart from `scene`: it is
 /// plain data, with `sampling`'s own enum for the sampler among it.
@@ -33,10 +33,10 @@ const KEPT: [(&str, &[&str]); 11] = [
     ("std::env::var_os", &["cli", "planted"]), // `planted` for tests alone.
     ("std::io::IsTerminal", &["cli"]),
     ("std::process", &["cli", "main", "output"]), // `output` numbers its temporary files by the process.
-    ("std::fs", &["cli", "decode", "import", "output"]),
+    ("std::fs", &["cli", "bench", "decode", "import", "output"]),
     ("std::io", &["cli", "decode", "import", "output"]),
-    ("std::time", &["cli", "render"]),
-    ("std::thread", &["cli", "render"]),
+    ("std::time", &["cli", "bench", "render"]),
+    ("std::thread", &["cli", "bench", "render"]),
     ("rayon", &["render", "stress"]),
 ];
 
@@ -242,6 +242,8 @@ fn rules() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
             "scene" => allowed.extend(["scene::desc"]),
             // It writes scenes as users do, and judges images as `compare` does.
             "stress" => allowed.extend(["import", "compare"]),
+            // It builds scenes from their descriptions, judges images, and puts them into its pages.
+            "bench" => allowed.extend(["compare", "output"]),
             _ => {}
         }
     }
