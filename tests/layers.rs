@@ -407,6 +407,10 @@ fn planted_violations_are_caught() {
         ("compare/mod.rs", "use crate::output;", "compare imports from output"),
         ("integrator/path.rs", "use crate::render::RenderJob;", "integrator imports from render"),
         ("render/mod.rs", "use crate::cli;", "render imports from cli"),
+        ("render/mod.rs", "use crate::bench::Plan;", "render imports from bench"),
+        ("bench/run.rs", "use crate::cli::stats;", "bench imports from cli"),
+        ("bench/run.rs", "use crate::stress::Case;", "bench imports from stress"),
+        ("stress/mod.rs", "use crate::bench::Plan;", "stress imports from bench"),
         ("pdf.rs", "use super::*;", "pdf imports from *"),
         ("main.rs", "fn main() { twinlight::render::render() }", "main imports from render"),
         ("extra.rs", "", "module extra is in no layer"),
@@ -452,6 +456,7 @@ fn what_is_allowed_is_not_reported() {
         ),
         ("accel/embree/scene.rs", "use embree4_sys as sys; fn f() { unsafe { g() } }"),
         ("accel/embree/device.rs", "fn f() -> &'static str { std::env::consts::ARCH }"),
+        ("bench/run.rs", "use std::time::Instant; use crate::{compare::metrics, output::encode_png, render::render};"),
         ("cli/mod.rs", "use std::io::IsTerminal; use crate::{import, render, compare}; fn f() { eprintln!(\"\") }"),
     ] {
         assert_eq!(violations(file, text, false), Vec::<String>::new(), "{file}: {text}");

@@ -138,6 +138,8 @@ pub fn bench_scene(job: &SceneJob<'_>, tell: &mut dyn FnMut(&str)) -> Result<Sce
     cpu_seconds()?;
     let mut stage = Stage { job, now: None };
     let mut configurations = fix_samples(&mut stage, tell)?;
+    // The reference builds the scene for itself; two of them need not be in memory.
+    stage.now = None;
     let longest = configurations.iter().map(|c| c.samples).max().unwrap_or(1);
     let backend = plan.configurations.first().map_or(Backend::Bvh, |c| c.backend);
     let measure = Measure::new(&job.reference, desc, backend, longest, tell)?;

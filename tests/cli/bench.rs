@@ -32,6 +32,11 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
+/// JSON's reader is off by a unit in the last place now and then.
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-15 * b.abs()
+}
+
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
@@ -89,7 +94,7 @@ fn all_reports_have_the_same_numbers() {
                 ("rays_per_cpu_second", &run["rays_per_cpu_second"]),
                 ("samples_per_cpu_second", &run["samples_per_cpu_second"]),
             ] {
-                assert_eq!(row[name].parse::<f64>().unwrap(), number(value), "{name}");
+                assert!(same(row[name].parse().unwrap(), number(value)), "{name}: {}, {value}", row[name]);
             }
             let (error, measured) = (number(&run["rel_mse"]["value"]), number(&run["rel_mse"]["measured"]));
             assert!((measured - number(&run["rel_mse"]["noise"]) - error).abs() < 1e-12 && error >= floor);
@@ -106,14 +111,14 @@ fn all_reports_have_the_same_numbers() {
         {
             let of = |run: &Value| if run[name].is_number() { number(&run[name]) } else { number(&run[name]["value"]) };
             let expected = median(runs.iter().map(of).collect());
-            assert_eq!(number(&c["medians"][name]["median"]), expected, "{name}");
-            assert_eq!(column(&page, class)[index], Some(expected), "{name}");
+            assert!(same(number(&c["medians"][name]["median"]), expected), "{name}");
+            assert!(column(&page, class)[index].is_some_and(|shown| same(shown, expected)), "{name}");
         }
     }
     // Ratios of pairs, to the first.
     let efficiency = |c: usize| configurations[c]["runs"].as_array().unwrap().iter().map(|r| number(&r["efficiency"]));
     let ratios = median(efficiency(3).zip(efficiency(0)).map(|(a, b)| a / b).collect());
-    assert_eq!(number(&configurations[3]["medians"]["efficiency_ratio"]["median"]), ratios);
+    assert!((number(&configurations[3]["medians"]["efficiency_ratio"]["median"]) / ratios - 1.0).abs() < 1e-12);
     assert!(configurations[0]["medians"]["efficiency_ratio"].is_null());
 
     // The reference, and image and difference of each integrator at its largest number of samples.
@@ -144,9 +149,9 @@ fn runs_are_renders_and_only_their_times_vary() {
         let m = twinlight::compare::metrics(&image, &reference).unwrap();
         let c = &scene["configurations"][index];
         let run = &c["runs"][0];
-        assert_eq!((&c["renders_by"], number(&run["rel_mse"]["measured"])), (&integrator.into(), m.rel_mse));
+        assert!(c["renders_by"] == integrator && same(number(&run["rel_mse"]["measured"]), m.rel_mse), "{c}");
         // Nothing is known of the noise: nothing is subtracted.
-        assert_eq!((number(&run["rel_mse"]["value"]), number(&run["mse"]["value"])), (m.rel_mse, m.mse));
+        assert!(same(number(&run["rel_mse"]["value"]), m.rel_mse) && same(number(&run["mse"]["value"]), m.mse));
         assert!(run["rel_mse"]["noise"].is_null() && c["medians"]["rel_mse"]["low"].is_null());
     }
     assert_eq!(scene["configurations"][1]["integrator"], "auto");
@@ -319,7 +324,7 @@ fn what_makes_no_sense_is_refused() {
         (
             "room.json bad.json",
             65,
-            "twinlight: bad.json:6:58: /materials/0/albedo/0: got 1.75, expected a number from 0 to 1",
+            "twinlight: bad.json:6:56: /materials/0/albedo/0: 1.75 is out of range; allowed: 0 to 1",
         ),
         (
             "none.json",

@@ -141,8 +141,20 @@ pub fn plot(series: &[Series], floor: Option<f64>) -> String {
          font-family=\"sans-serif\" font-size=\"12\" role=\"img\" aria-label=\"relMSE against CPU seconds\">\n\
          <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#fff\"/>"
     );
-    noise(&mut out, floor, shown.is_some(), &y, bottom);
+    if let Some(floor) = shown {
+        let at = y.within(floor);
+        let (width, height) = (RIGHT - LEFT, bottom - at);
+        let _ = writeln!(
+            out,
+            "<rect class=\"noise\" x=\"{LEFT}\" y=\"{at:.1}\" width=\"{width}\" height=\"{height:.1}\" fill=\"#ddd\"/>"
+        );
+    }
     grid(&mut out, &x, &y, top, bottom);
+    if let Some(floor) = floor {
+        let where_it_is = if shown.is_some() { "" } else { ": below this range" };
+        let text = format!("noise of the reference, {}{where_it_is}", text::figures(floor));
+        remark(&mut out, LEFT + 6.0, bottom - 6.0, &text);
+    }
     if let Some((point, (error, _))) = points().find_map(|p| Some((p, p.error?))) {
         guide(&mut out, &x, &y, point.time.0, error);
     }
@@ -188,20 +200,11 @@ fn mark(s: &Series, x: f64, y: f64) -> String {
     }
 }
 
-/// The reference's noise: errors below it are not told.
-fn noise(out: &mut String, floor: Option<f64>, shown: bool, y: &Axis, bottom: f64) {
-    let Some(floor) = floor else { return };
-    let at = if shown { y.within(floor) } else { bottom };
+/// Words inside the frame, readable over lines.
+fn remark(out: &mut String, x: f64, y: f64, text: &str) {
     let _ = writeln!(
         out,
-        "<rect class=\"noise\" x=\"{LEFT}\" y=\"{at:.1}\" width=\"{}\" height=\"{:.1}\" fill=\"#ddd\"/>\n\
-         <text x=\"{}\" y=\"{:.1}\" fill=\"#666\">noise of the reference, {}{}</text>",
-        RIGHT - LEFT,
-        bottom - at,
-        LEFT + 6.0,
-        bottom - 6.0,
-        text::figures(floor),
-        if shown { "" } else { ": below this range" }
+        "<text x=\"{x:.1}\" y=\"{y:.1}\" fill=\"#666\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\">{text}</text>"
     );
 }
 
@@ -247,11 +250,10 @@ fn guide(out: &mut String, x: &Axis, y: &Axis, time: f64, error: f64) {
     let ((x0, y0), (x1, y1)) = (pixel(from), pixel(to));
     let _ = writeln!(
         out,
-        "<path class=\"guide\" d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\" stroke=\"#888\" stroke-dasharray=\"2 4\"/>\n\
-         <text x=\"{:.1}\" y=\"{:.1}\" fill=\"#666\" text-anchor=\"end\">slope −1</text>",
-        (x1 - 6.0).max(LEFT + 60.0),
-        (y1 - 8.0).min(y.pixels[0] - 22.0)
+        "<path class=\"guide\" d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\" stroke=\"#888\" stroke-dasharray=\"2 4\"/>"
     );
+    // Where the line enters, below it: the series' ends and their labels are on the other side.
+    remark(out, x0 + 6.0, (y0 + 24.0).min(y.pixels[0] - 22.0), "slope −1");
 }
 
 /// A series' line, bars and points. What is below the noise is an open triangle on it.
