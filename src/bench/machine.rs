@@ -69,7 +69,8 @@ mod tests {
         let start = cpu_seconds().expect("unix");
         std::thread::spawn(move || (0..200).map(|_| work()).fold(0, u64::wrapping_add)).join().expect("no panic");
         let many = cpu_seconds().expect("unix") - start;
-        assert!(many > 5.0 * one.min(0.01), "{many} of {one}");
+        // 40 million steps, each of them some cycles.
+        assert!(many > 5e-3, "{many}");
         // A difference that ticks of 1/100 s could not have.
         let ticks = 100.0 * one;
         assert!((ticks - ticks.round()).abs() > 1e-9, "{one}");

@@ -110,9 +110,9 @@ fn reference(scene: &SceneReport) -> Value {
     let subtracted = !matches!(measure.reference.noise, ReferenceNoise::Unknown);
     match &measure.origin {
         Origin::File(file) => json!({"file": file, "noise": noise, "noise_is_subtracted": subtracted}),
-        Origin::Halves { samples, cpu_seconds, .. } => json!({
+        Origin::Halves { integrator, samples, cpu_seconds } => json!({
             "halves": {
-                "integrator": "bdpt",
+                "integrator": super::name(*integrator),
                 "spp": samples,
                 "seeds": crate::bench::REFERENCE_SEEDS,
                 "cpu_seconds": cpu_seconds,

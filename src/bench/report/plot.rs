@@ -253,7 +253,7 @@ fn guide(out: &mut String, x: &Axis, y: &Axis, time: f64, error: f64) {
         "<path class=\"guide\" d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\" stroke=\"#888\" stroke-dasharray=\"2 4\"/>"
     );
     // Where the line enters, below it: the series' ends and their labels are on the other side.
-    remark(out, x0 + 6.0, (y0 + 24.0).min(y.pixels[0] - 22.0), "slope −1");
+    remark(out, x0 + 6.0, (y0 + 36.0).min(y.pixels[0] - 22.0), "slope −1");
 }
 
 /// A series' line, bars and points. What is below the noise is an open triangle on it.

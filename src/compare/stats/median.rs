@@ -55,7 +55,7 @@ impl Median {
 mod tests {
     use super::*;
 
-    /// Coverages of David and Nagaraja, "Order Statistics", §7.1, and of the sign test's tables (Conover 1999, table A3).
+    /// As they follow from the binomial distribution of n and ½: 1 − 2 P(X < k), exact to ten values, rounded beyond.
     #[test]
     fn order_statistics_have_their_table_values() {
         for (n, k, percent) in [
