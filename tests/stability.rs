@@ -452,7 +452,9 @@ fn nothing_gets_out<A: Accel>(random: &mut Random) {
 
 #[test]
 fn no_ray_gets_out_between_slivers() {
-    [nothing_gets_out::<DefaultAccel>, nothing_gets_out::<BvhAccel>].map(|check| check(&mut Random(8)));
+    for check in [nothing_gets_out::<DefaultAccel>, nothing_gets_out::<BvhAccel>] {
+        check(&mut Random(8));
+    }
 }
 
 /// From inside a ball of triangles, in which there are slivers, no ray of random direction gets out.
@@ -467,13 +469,17 @@ fn no_random_ray_gets_out<A: Accel>(count: u32) {
 
 #[test]
 fn no_ray_of_a_million_gets_out_of_a_ball() {
-    [no_random_ray_gets_out::<DefaultAccel>, no_random_ray_gets_out::<BvhAccel>].map(|check| check(1_000_000));
+    for check in [no_random_ray_gets_out::<DefaultAccel>, no_random_ray_gets_out::<BvhAccel>] {
+        check(1_000_000);
+    }
 }
 
 #[test]
 #[ignore = "deep"]
 fn no_ray_of_ten_million_gets_out_of_a_ball() {
-    [no_random_ray_gets_out::<DefaultAccel>, no_random_ray_gets_out::<BvhAccel>].map(|check| check(10_000_000));
+    for check in [no_random_ray_gets_out::<DefaultAccel>, no_random_ray_gets_out::<BvhAccel>] {
+        check(10_000_000);
+    }
 }
 
 /// A point light from on a floor to just below it: to every technique it stands on the floor, or is hidden, within rounding, and

@@ -2,6 +2,7 @@
 
 mod args;
 mod available;
+mod bench;
 mod compare;
 mod convert;
 mod info;
@@ -83,6 +84,7 @@ pub fn run() -> ExitCode {
         Command::Convert(args) => convert::run(&args),
         Command::Stress(args) => stress::run(&args),
         Command::Precision(args) => precision::run(&args),
+        Command::Bench(args) => bench::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
