@@ -442,19 +442,14 @@ fn nothing_gets_out<A: Accel>(random: &mut Random) {
     assert!(rays > 100_000 && at_vertices > 20_000);
     assert_eq!(out, 0, "{}: {out} of {rays} rays get out", A::NAME);
     // Rays aimed at a vertex exactly: Embree lets some through, slivers or not; none comes so close by chance (below).
-    let let_through = if A::NAME == "bvh" { 0.0 } else { 2e-3 };
-    assert!(
-        f64::from(out_at_vertices) <= let_through * f64::from(at_vertices),
-        "{}: {out_at_vertices} of {at_vertices} rays aimed at vertices get out",
-        A::NAME
-    );
+    let most = if A::NAME == "bvh" { 0 } else { at_vertices / 500 };
+    assert!(out_at_vertices <= most, "{}: {out_at_vertices} of {at_vertices} aimed at vertices get out", A::NAME);
 }
 
 #[test]
 fn no_ray_gets_out_between_slivers() {
-    for check in [nothing_gets_out::<DefaultAccel>, nothing_gets_out::<BvhAccel>] {
-        check(&mut Random(8));
-    }
+    nothing_gets_out::<DefaultAccel>(&mut Random(8));
+    nothing_gets_out::<BvhAccel>(&mut Random(8));
 }
 
 /// From inside a ball of triangles, in which there are slivers, no ray of random direction gets out.
@@ -469,17 +464,15 @@ fn no_random_ray_gets_out<A: Accel>(count: u32) {
 
 #[test]
 fn no_ray_of_a_million_gets_out_of_a_ball() {
-    for check in [no_random_ray_gets_out::<DefaultAccel>, no_random_ray_gets_out::<BvhAccel>] {
-        check(1_000_000);
-    }
+    no_random_ray_gets_out::<DefaultAccel>(1_000_000);
+    no_random_ray_gets_out::<BvhAccel>(1_000_000);
 }
 
 #[test]
 #[ignore = "deep"]
 fn no_ray_of_ten_million_gets_out_of_a_ball() {
-    for check in [no_random_ray_gets_out::<DefaultAccel>, no_random_ray_gets_out::<BvhAccel>] {
-        check(10_000_000);
-    }
+    no_random_ray_gets_out::<DefaultAccel>(10_000_000);
+    no_random_ray_gets_out::<BvhAccel>(10_000_000);
 }
 
 /// A point light from on a floor to just below it: to every technique it stands on the floor, or is hidden, within rounding, and
