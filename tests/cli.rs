@@ -18,6 +18,8 @@ mod arguments;
 mod assets;
 #[path = "cli/assets_images.rs"]
 mod assets_images;
+#[path = "cli/bench.rs"]
+mod bench;
 #[path = "cli/errors_page.rs"]
 mod errors_page;
 #[path = "cli/failures.rs"]

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A module imports from those before it; those in braces are peers.
-const ORDER: &str = "planted → math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → stress → cli";
+const ORDER: &str = "planted → math, pdf → sampling → geometry → texture → {accel, bsdf, light, camera, film} → scene → integrator → render → {stress, bench} → cli";
 
 /// Modules beside the order, and the only ones they import from. `scene::desc` is counted apart from `scene`: it is
 /// plain data, with `sampling`'s own enum for the sampler among it.
@@ -33,10 +33,10 @@ const KEPT: [(&str, &[&str]); 11] = [
     ("std::env::var_os", &["cli", "planted"]), // `planted` for tests alone.
     ("std::io::IsTerminal", &["cli"]),
     ("std::process", &["cli", "main", "output"]), // `output` numbers its temporary files by the process.
-    ("std::fs", &["cli", "decode", "import", "output"]),
+    ("std::fs", &["cli", "bench", "decode", "import", "output"]),
     ("std::io", &["cli", "decode", "import", "output"]),
-    ("std::time", &["cli", "render"]),
-    ("std::thread", &["cli", "render"]),
+    ("std::time", &["cli", "bench", "render"]),
+    ("std::thread", &["cli", "bench", "render"]),
     ("rayon", &["render", "stress"]),
 ];
 
@@ -242,6 +242,8 @@ fn rules() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
             "scene" => allowed.extend(["scene::desc"]),
             // It writes scenes as users do, and judges images as `compare` does.
             "stress" => allowed.extend(["import", "compare"]),
+            // It builds scenes from their descriptions, judges images, and puts them into its pages.
+            "bench" => allowed.extend(["compare", "output"]),
             _ => {}
         }
     }
@@ -405,6 +407,10 @@ fn planted_violations_are_caught() {
         ("compare/mod.rs", "use crate::output;", "compare imports from output"),
         ("integrator/path.rs", "use crate::render::RenderJob;", "integrator imports from render"),
         ("render/mod.rs", "use crate::cli;", "render imports from cli"),
+        ("render/mod.rs", "use crate::bench::Plan;", "render imports from bench"),
+        ("bench/run.rs", "use crate::cli::stats;", "bench imports from cli"),
+        ("bench/run.rs", "use crate::stress::Case;", "bench imports from stress"),
+        ("stress/mod.rs", "use crate::bench::Plan;", "stress imports from bench"),
         ("pdf.rs", "use super::*;", "pdf imports from *"),
         ("main.rs", "fn main() { twinlight::render::render() }", "main imports from render"),
         ("extra.rs", "", "module extra is in no layer"),
@@ -450,6 +456,7 @@ fn what_is_allowed_is_not_reported() {
         ),
         ("accel/embree/scene.rs", "use embree4_sys as sys; fn f() { unsafe { g() } }"),
         ("accel/embree/device.rs", "fn f() -> &'static str { std::env::consts::ARCH }"),
+        ("bench/run.rs", "use std::time::Instant; use crate::{compare::metrics, output::encode_png, render::render};"),
         ("cli/mod.rs", "use std::io::IsTerminal; use crate::{import, render, compare}; fn f() { eprintln!(\"\") }"),
     ] {
         assert_eq!(violations(file, text, false), Vec::<String>::new(), "{file}: {text}");

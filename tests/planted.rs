@@ -25,6 +25,57 @@ fn the_page_of_planted_bugs_names_each_and_what_found_it() {
     }
 }
 
+/// The files of Rust below a folder, as paths relative to it.
+fn sources(root: &Path, folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(root.join(folder)).expect("a folder of sources");
+    let paths = entries.map(|entry| folder.join(entry.expect("an entry").file_name()));
+    let below = |path: std::path::PathBuf| match root.join(&path).is_dir() {
+        true => sources(root, &path),
+        false => path.to_str().filter(|p| p.ends_with(".rs")).map(str::to_owned).into_iter().collect(),
+    };
+    paths.flat_map(below).collect()
+}
+
+/// The tests of a file, as they are named on the page, with the number of folders that a test program's own modules lie in.
+fn tests_of(root: &Path, file: &str, folders: usize) -> Vec<String> {
+    let text = fs::read_to_string(root.join(file)).expect("a source");
+    let mut parts: Vec<&str> = file.trim_end_matches(".rs").split('/').skip(folders).collect();
+    parts.retain(|part| *part != "mod");
+    let mut tests = Vec::new();
+    let (mut in_tests, mut marked) = (false, false);
+    for line in text.lines() {
+        in_tests |= line.trim() == "mod tests {";
+        marked |= line.trim() == "#[test]";
+        if let (true, Some(name)) = (marked, line.trim().strip_prefix("fn ")) {
+            let name = name.split('(').next().expect("a name");
+            let modules = parts.iter().copied().chain(in_tests.then_some("tests"));
+            tests.push(modules.chain([name]).collect::<Vec<&str>>().join("::"));
+            marked = false;
+        }
+    }
+    tests
+}
+
+/// What the page names is there to be run.
+#[test]
+fn the_tests_that_the_page_names_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let of_library = sources(root, Path::new("src")).into_iter().map(|file| (file, 1));
+    let of_programs = sources(root, Path::new("tests")).into_iter().map(|file| (file, 2));
+    let tests: Vec<String> = of_library.chain(of_programs).flat_map(|(file, n)| tests_of(root, &file, n)).collect();
+    assert!(tests.len() > 200, "{}", tests.len());
+    let page = fs::read_to_string(root.join("docs/PLANTED.md")).expect("docs/PLANTED.md");
+    let mut named = 0;
+    for row in page.lines().filter(|line| line.starts_with("| `")) {
+        let last = row.trim_matches('|').split(" | ").last().expect("a column");
+        for name in last.split('`').skip(1).step_by(2) {
+            assert!(tests.iter().any(|test| test == name), "docs/PLANTED.md names {name}, which is no test: {row}");
+            named += 1;
+        }
+    }
+    assert!(named > 100, "{named}");
+}
+
 /// A floor under a lamp and a point light.
 const SCENE: &str = r#"{
   "camera": {"transform": {"from": [0, 1, 3], "at": [0, 0, 0]}, "vfov": 40, "resolution": [8, 6]},

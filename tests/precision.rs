@@ -39,34 +39,43 @@ fn contributions_and_weights_are_those_of_f64_but_for_the_rounding_of_points() {
     let mut sky = everything();
     sky["lights"] = json!([{ "type": "constant", "radiance": 0.3 },
                            { "type": "directional", "direction": [0.3, -1, -0.5], "irradiance": 1 }]);
-    // Of a weight, how many times the condition: the power heuristic squares densities, which is two, and something for what the
-    // condition leaves out. Among many lamps that is more (3.01 measured), which is not explained yet.
+    // Lobes whose half vectors are short, near index 1, and lobes seen from far outside.
+    let mut lobes = everything();
+    lobes["surfaces"][4]["material"] = json!({ "type": "dielectric", "ior": 1.05, "roughness": 0.1 });
+    lobes["surfaces"][5]["material"] = json!({ "type": "phong", "albedo": 0.8, "exponent": 400 });
+    let mut facets = everything();
+    facets["surfaces"][4]["material"] = json!({ "type": "conductor", "albedo": 0.9, "roughness": [0.02, 0.2] });
+    facets["surfaces"][5]["material"] = json!({ "type": "blinnphong", "albedo": 0.8, "exponent": 400 });
     let scenes = [
-        ("area", of_file("reference/cornell_area.json"), 3.0),
-        ("glossy", of_file("reference/cornell_glossy.json"), 3.0),
-        ("glass", of_file("reference/cornell_glass.json"), 3.0),
-        ("spot", of_file("reference/cornell_spot.json"), 3.0),
-        ("many lamps", of_file("many-lamps/scene.json"), 4.0),
-        ("everything", everything(), 3.0),
-        ("everything through a lens", lens, 3.0),
-        ("everything below a sky", sky, 3.0),
+        ("area", of_file("reference/cornell_area.json")),
+        ("glossy", of_file("reference/cornell_glossy.json")),
+        ("glass", of_file("reference/cornell_glass.json")),
+        ("spot", of_file("reference/cornell_spot.json")),
+        ("many lamps", of_file("many-lamps/scene.json")),
+        ("everything", everything()),
+        ("everything through a lens", lens),
+        ("everything below a sky", sky),
+        ("lobes", lobes),
+        ("facets", facets),
     ];
-    for (name, scene, times) in scenes {
+    for (name, scene) in scenes {
         let found = judged(&scene, settings(Integrator::Bdpt, 8));
         println!("{name}:\n{}", found.text());
         assert!(found.paths() > 2000, "{name}: {} paths", found.paths());
-        assert!(found.unjudged() * 100 < found.paths() as u64, "{name}: {} paths are not judged", found.unjudged());
+        assert!(found.unjudged() * 100 < found.paths(), "{name}: {} paths are not judged", found.unjudged());
         let [contribution, weight] = found.median();
         assert!(contribution < 2e-7 && weight < 1e-6, "{name}: {contribution:.1e} {weight:.1e}");
         // The rounding of an f32 product is 6e-8 for each of some ten factors.
         let [sum, sizes] = found.image();
         assert!(sum.abs() < 1e-6 && sizes < 1e-5, "{name}: the image is off by {sum:.1e}, its parts by {sizes:.1e}");
-        assert!(found.faults().is_empty(), "{name}: {:?}", found.faults());
+        assert!(found.faults().count == 0, "{name}: {}", found.faults());
         let (unbounded, largest) = found.unbounded();
         assert!(unbounded * 1000 < found.paths() && largest < 0.1, "{name}: {unbounded} off by {largest}");
         let [contribution, weight] = found.worst_over_condition();
+        // The power heuristic squares densities: a weight is off by up to twice what they are (measured: at most 1.5 times, among
+        // many lamps, elsewhere 0.9; contributions 0.7).
         assert!(contribution < 1.0, "{name}: {contribution} times the condition");
-        assert!(weight < times, "{name}: {weight} times the condition");
+        assert!(weight < 2.0, "{name}: {weight} times the condition");
     }
 }
 

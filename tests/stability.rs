@@ -39,6 +39,7 @@ fn rays_leave_their_triangles<A: Accel>(random: &mut Random) {
             positions: vec![a, b, c],
             triangles: vec![[0, 1, 2]],
             triangle_surface: vec![0],
+            slivers: is_sliver([a, b, c]),
             ..Geometry::default()
         });
         if (b - a).cross(c - a).try_normalize().is_none() {
@@ -87,6 +88,7 @@ fn rays_leave_at_any_size<A: Accel>(random: &mut Random) {
             let (center, radius) = (corner().as_dvec3(), size * 0.3);
             let ball = DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
             let geometry = Arc::new(Geometry {
+                slivers: is_sliver([positions[0], positions[1], positions[2]]),
                 positions,
                 triangles: vec![[0, 1, 2]],
                 triangle_surface: vec![0],
@@ -418,28 +420,59 @@ fn nothing_gets_out<A: Accel>(random: &mut Random) {
     let geometry = &scene.geometry;
     let thin = (0..geometry.triangles.len() as u32).filter(|&i| is_sliver(geometry.corners(i))).count();
     assert!(geometry.slivers && thin > 40 && thin < geometry.triangles.len() / 2, "{thin}");
-    let (mut rays, mut out) = (0, 0);
+    let (mut rays, mut out, mut at_vertices, mut out_at_vertices) = (0, 0, 0, 0);
     for triangle in 0..geometry.triangles.len() as u32 {
         let corners = geometry.corners(triangle);
         for i in 0..3 {
             let (a, b) = (corners[i], corners[(i + 1) % 3]);
             for k in 0..100 {
-                // Of rays aimed at a vertex exactly, Embree lets a thousandth through, slivers or not.
-                let target = if k == 0 && A::NAME == "bvh" { a } else { a + (b - a) * random.uniform() as f32 };
+                let target = if k < 10 { a } else { a + (b - a) * random.uniform() as f32 };
                 let from = random.direction().as_vec3a() * (0.5 * random.uniform()) as f32;
-                rays += 1;
-                out += u32::from(scene.accel.intersect(&Ray::new(from, target - from)).is_none());
+                let gets_out = u32::from(scene.accel.intersect(&Ray::new(from, target - from)).is_none());
+                if k < 10 {
+                    at_vertices += 1;
+                    out_at_vertices += gets_out;
+                } else {
+                    rays += 1;
+                    out += gets_out;
+                }
             }
         }
     }
-    assert!(rays > 100_000);
+    assert!(rays > 100_000 && at_vertices > 20_000);
     assert_eq!(out, 0, "{}: {out} of {rays} rays get out", A::NAME);
+    // Rays aimed at a vertex exactly: Embree lets some through, slivers or not; none comes so close by chance (below).
+    let most = if A::NAME == "bvh" { 0 } else { at_vertices / 500 };
+    assert!(out_at_vertices <= most, "{}: {out_at_vertices} of {at_vertices} aimed at vertices get out", A::NAME);
 }
 
 #[test]
 fn no_ray_gets_out_between_slivers() {
     nothing_gets_out::<DefaultAccel>(&mut Random(8));
-    nothing_gets_out::<BvhAccel>(&mut Random(9));
+    nothing_gets_out::<BvhAccel>(&mut Random(8));
+}
+
+/// From inside a ball of triangles, in which there are slivers, no ray of random direction gets out.
+fn no_random_ray_gets_out<A: Accel>(count: u32) {
+    let (scene, mut random): (Scene<A>, _) = (scene_on(&ball_with_slivers(), AccelOptions::default()), Random(10));
+    for _ in 0..count {
+        let from = random.direction().as_vec3a() * (0.5 * random.uniform()) as f32;
+        let ray = Ray::new(from, random.direction().as_vec3a());
+        assert!(scene.accel.intersect(&ray).is_some(), "{}: {ray:?} gets out", A::NAME);
+    }
+}
+
+#[test]
+fn no_ray_of_a_million_gets_out_of_a_ball() {
+    no_random_ray_gets_out::<DefaultAccel>(1_000_000);
+    no_random_ray_gets_out::<BvhAccel>(1_000_000);
+}
+
+#[test]
+#[ignore = "deep"]
+fn no_ray_of_ten_million_gets_out_of_a_ball() {
+    no_random_ray_gets_out::<DefaultAccel>(10_000_000);
+    no_random_ray_gets_out::<BvhAccel>(10_000_000);
 }
 
 /// A point light from on a floor to just below it: to every technique it stands on the floor, or is hidden, within rounding, and
@@ -447,7 +480,8 @@ fn no_ray_gets_out_between_slivers() {
 #[test]
 fn a_light_just_below_a_floor_is_hidden_from_all_techniques_or_from_none() {
     let (mut lit, mut dark) = (0, 0);
-    for ulps in (0..64).step_by(3).chain([200, 1000]) {
+    // Within its rounding, about four ulps, it stands on the floor.
+    for ulps in (0..8).chain((9..64).step_by(3)).chain([200, 1000]) {
         let y = -1.0 - f64::from(ulps) * f64::from(f32::EPSILON);
         let scene = scene(&room_with_light_at(y));
         let [path, light, bdpt] = [Integrator::Path, Integrator::Light, Integrator::Bdpt]

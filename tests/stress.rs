@@ -53,8 +53,10 @@ fn what_is_wrong_is_told() {
         (Case::new("not the same bits", "", room(1.000_001), bits(1.0)), "not the same bits"),
         (Case::new("light", "", room(1.0), Expected::Nothing), "light where there is none"),
         (Case::new("mean", "", room(1.0), Expected::Mean(1e3)), "energy"),
-        (Case::new("open", "", room(1.0), Expected::Finite).closed(), "leave the closed room"),
-        (Case::new("bad", "", bad, Expected::Finite), "material"),
+        (Case::new("a little brighter", "", room(1.001), same(1.0)), "energy differs"),
+        (Case::new("so it is said", "", room(1.001), same(1.0)).apart(1.1e-3, "it is brighter"), ""),
+        (Case::new("open", "", room(1.0), same(1.0)).closed(), "leave the closed room"),
+        (Case::new("bad", "", bad, Expected::Nothing), "material"),
     ] {
         let report = run(std::slice::from_ref(&case), QUICK, &mut |_| {});
         for row in &report.rows {

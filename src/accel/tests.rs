@@ -138,3 +138,25 @@ fn cut_outs_are_found_by_rays_from_everywhere() {
     #[cfg(feature = "embree")]
     check::<EmbreeAccel>();
 }
+
+/// What a ray meets at zero, it does not meet again past it: of either kind of triangle.
+fn check_past<A: Accel>() {
+    for height in [1.0, 1e-3] {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::new(0.5, height, 0.0)];
+        let slivers = crate::geometry::is_sliver([positions[0], positions[1], positions[2]]);
+        let triangles = vec![[0, 1, 2]];
+        let geometry = Geometry { positions, triangles, triangle_surface: vec![0], slivers, ..Geometry::default() };
+        let accel = A::build(Arc::new(geometry), AccelOptions::default()).expect("a triangle builds");
+        let ray = Ray::new(Vec3::new(0.5, 0.25 * height, 0.0), Vec3::new(0.1, 0.2, 1.0));
+        let hit = accel.intersect(&ray).expect("starts on it");
+        assert_eq!(hit.t, 0.0);
+        assert!(accel.intersect(&Ray { tmin: crate::math::past(hit.t), ..ray }).is_none(), "{}: {height}", A::NAME);
+    }
+}
+
+#[test]
+fn past_what_is_met_at_zero_it_is_not_met() {
+    check_past::<BvhAccel>();
+    #[cfg(feature = "embree")]
+    check_past::<EmbreeAccel>();
+}

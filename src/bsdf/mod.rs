@@ -20,6 +20,7 @@ mod local;
 mod microfacet;
 mod plastic;
 mod rough_dielectric;
+mod steepness;
 
 pub use conductor::{Conductor, Reflectance};
 pub use empirical::{Empirical, Shape};
@@ -120,29 +121,6 @@ pub struct BsdfValue {
 }
 
 impl Bsdf {
-    /// About how fast the density of the narrowest lobe changes with a direction, per radian relatively: 2/α for facets of
-    /// roughness α, more where refraction bends directions; 0 of models without such a lobe, and of delta lobes.
-    pub fn steepness(&self) -> f64 {
-        let facets = |[a, b]: [f32; 2]| 2.0 / f64::from(a.min(b));
-        match self {
-            Self::Conductor(b) => facets(b.roughness.alpha),
-            Self::RoughDielectric(b) => facets(b.roughness.alpha) * f64::from(b.ior.max(1.0 / b.ior)),
-            Self::Plastic(b) => {
-                if b.is_smooth() {
-                    0.0
-                } else {
-                    facets([b.alpha(); 2])
-                }
-            }
-            Self::Empirical(b) => match b.shape {
-                Shape::OrenNayar { .. } => 0.0,
-                // cosⁿ is a lobe of width √(2/n), whose slope at its side is √n and grows further out.
-                Shape::Phong { exponent } | Shape::BlinnPhong { exponent } => 2.0 * f64::from(exponent).sqrt(),
-            },
-            _ => 0.0,
-        }
-    }
-
     /// Whether connections can be made at the surface: some lobe is not a delta.
     #[inline]
     pub fn is_connectible(&self) -> bool {

@@ -62,6 +62,16 @@ impl Plastic {
         self.alpha
     }
 
+    /// Index of refraction of the coat over what is outside it.
+    pub fn ior(&self) -> f32 {
+        self.ior
+    }
+
+    /// Whether the back reflects as well.
+    pub fn two_sided(&self) -> bool {
+        self.two_sided
+    }
+
     /// Whether the coat is a delta lobe.
     pub fn is_smooth(&self) -> bool {
         self.coat.is_none()

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::bench::BenchArgs;
 use crate::integrator::Technique;
 use crate::render::Aov;
 use crate::sampling::SamplerKind;
@@ -34,9 +35,12 @@ pub enum Command {
     /// Convert an image between EXR and PNG
     Convert(ConvertArgs),
     /// Render scenes at the edge of what numbers can hold, and judge them
+    #[command(after_help = crate::stress::LEGEND)]
     Stress(StressArgs),
     /// Say how far rounding takes a scene's contributions and weights
     Precision(PrecisionArgs),
+    /// Measure error against time: scenes by integrators, accelerators and numbers of samples, with intervals
+    Bench(BenchArgs),
 }
 
 #[derive(Debug, Args)]
@@ -332,7 +336,7 @@ pub enum AccelArg {
 }
 
 impl AccelArg {
-    const DEFAULT: &'static str = if cfg!(feature = "embree") { "embree" } else { "bvh" };
+    pub(super) const DEFAULT: &'static str = if cfg!(feature = "embree") { "embree" } else { "bvh" };
 }
 
 /// A seed.
@@ -341,7 +345,7 @@ fn seed(text: &str) -> Result<u64, String> {
 }
 
 /// A whole number between bounds; the standard library's own messages would not say what is allowed.
-fn whole(least: u32, most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
+pub(super) fn whole(least: u32, most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
     move |text| match text.parse() {
         Ok(n) if (least..=most).contains(&n) => Ok(n),
         _ => Err(not_whole(least, most.into())),

@@ -2,6 +2,7 @@
 
 mod args;
 mod available;
+mod bench;
 mod compare;
 mod convert;
 mod explain;
@@ -16,7 +17,9 @@ mod sheet;
 mod stats;
 mod stress;
 mod trace;
+mod words;
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -82,6 +85,7 @@ pub fn run() -> ExitCode {
         Command::Convert(args) => convert::run(&args),
         Command::Stress(args) => stress::run(&args),
         Command::Precision(args) => precision::run(&args),
+        Command::Bench(args) => bench::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -97,12 +101,28 @@ pub fn run() -> ExitCode {
 /// Prints to standard output; a reader that has gone away (a closed pipe) is no error of ours.
 fn print(text: &str) {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let _ = out.write_all(printable(text).as_bytes()).and_then(|()| out.flush());
 }
 
 /// Prints to standard error. `eprint!` would panic where nobody reads it, and lose the image with it.
 fn tell(text: &str) {
+    draw(&printable(text));
+}
+
+/// `tell` for what steers the terminal: of our own words alone.
+fn draw(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Text with control characters escaped, but for ends of lines and tabs: names out of files (layers of an EXR, say) may hold
+/// sequences that a terminal obeys.
+fn printable(text: &str) -> Cow<'_, str> {
+    let steers = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    if !text.contains(steers) {
+        return Cow::Borrowed(text);
+    }
+    let escaped = |c: char| if steers(c) { c.escape_default().to_string() } else { c.to_string() };
+    Cow::Owned(text.chars().map(escaped).collect())
 }
 
 /// A number and what it counts.

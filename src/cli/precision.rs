@@ -1,7 +1,8 @@
 //! `twinlight precision`: a scene's samples against f64.
 
 use super::args::{AccelArg, PrecisionArgs, Size};
-use super::available::Limit;
+use super::available::{Limit, size};
+use super::memory::PROGRAM;
 use super::render::load;
 use super::{Failure, print, status};
 use crate::accel::bvh::BvhAccel;
@@ -9,25 +10,14 @@ use crate::accel::bvh::BvhAccel;
 use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
 use crate::integrator::Settings;
-use crate::scene::{Prepared, Scene, prepare};
-use crate::stress::precision;
-
-/// Most samples: some ten paths each, of 48 bytes.
-const MOST: u64 = 1 << 22;
+use crate::scene::{Memory, Prepared, Scene, prepare};
+use crate::stress::{bytes_per_sample, precision};
 
 pub fn run(args: &PrecisionArgs) -> Result<(), Failure> {
-    let mut desc = load(&args.scene, Limit::sensible())?;
-    if let Some(Size(size)) = args.size {
-        desc.camera.resolution = size;
-    }
-    let [width, height] = desc.camera.resolution;
-    let samples = u64::from(width) * u64::from(height) * u64::from(args.spp);
-    if samples > MOST {
-        return Err(Failure::usage(format!(
-            "{width} × {height} pixels with {} spp are {samples} samples, of which each path is kept; at most {MOST} fit: use a \
-             smaller --size or --spp",
-            args.spp
-        )));
+    let limit = Limit::sensible();
+    let mut desc = load(&args.scene, limit)?;
+    if let Some(Size(pixels)) = args.size {
+        desc.camera.resolution = pixels;
     }
     let settings = Settings {
         max_bounces: args.max_bounces.unwrap_or(desc.integrator.max_bounces),
@@ -37,12 +27,30 @@ pub fn run(args: &PrecisionArgs) -> Result<(), Failure> {
         seed: desc.sampler.seed,
         ..Settings::default()
     };
+    check(args, &Memory::of(&desc), settings.max_bounces, limit)?;
     let prepared = prepare(&desc).map_err(|e| Failure::new(status::DATA, e))?;
     match args.accel {
         #[cfg(feature = "embree")]
         AccelArg::Embree => with::<EmbreeAccel>(args, prepared, settings),
         AccelArg::Bvh => with::<BvhAccel>(args, prepared, settings),
     }
+}
+
+/// Checks the scene and the steps of one sample for each thread: what is found of their paths takes no more with their number.
+fn check(args: &PrecisionArgs, scene: &Memory, max_bounces: u32, limit: Limit) -> Result<(), Failure> {
+    let threads = rayon::current_num_threads() as u64;
+    let steps = bytes_per_sample(max_bounces).saturating_mul(threads);
+    let (_, peak) = scene.peak(args.accel.footprint(), steps);
+    let peak = peak.saturating_add(PROGRAM);
+    if peak <= limit.bytes {
+        return Ok(());
+    }
+    let mend = if steps > limit.bytes / 2 { "fewer --max-bounces" } else { "a simpler scene" };
+    Err(Failure::usage(format!(
+        "the paths of up to {max_bounces} bounces and the scene take up to {} at once, more than {}; use {mend}",
+        size(peak),
+        limit.words()
+    )))
 }
 
 fn with<A: Accel>(args: &PrecisionArgs, prepared: Prepared, settings: Settings) -> Result<(), Failure> {

@@ -50,7 +50,7 @@ impl Reporter {
         let text = describe(p, self.spp);
         if self.mode == Mode::Terminal {
             let filled = ((30.0 * p.done as f64 / p.total as f64) as usize).min(30);
-            super::tell(&format!("\r\x1b[K[{}{}] {text}", "#".repeat(filled), ".".repeat(30 - filled)));
+            super::draw(&format!("\r\x1b[K[{}{}] {text}", "#".repeat(filled), ".".repeat(30 - filled)));
         } else {
             super::tell(&format!("{text}\n"));
         }
@@ -59,7 +59,7 @@ impl Reporter {
     /// Clears the bar.
     pub fn finish(&self) {
         if self.mode == Mode::Terminal {
-            super::tell("\r\x1b[K");
+            super::draw("\r\x1b[K");
         }
     }
 }

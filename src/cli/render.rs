@@ -14,8 +14,9 @@ use crate::accel::bvh::BvhAccel;
 #[cfg(feature = "embree")]
 use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
+use crate::film::Accumulator;
 use crate::import::{self, ImportError};
-use crate::integrator::{Crop, Integrator, Settings};
+use crate::integrator::{Crop, Integrator, Reason, Settings};
 use crate::output::{self, Format, Metadata, Window};
 use crate::render::{Aov, AovJob, Extras, RenderJob, Rendered, render_with};
 use crate::scene::desc::{IntegratorKind, SceneDesc};
@@ -267,7 +268,7 @@ impl Run<'_> {
         if let Some(line) = pyramid {
             say(args, &line);
         }
-        verdict(&rendered, self.settings.seed)
+        verdict(&rendered, self.settings.seed, Accumulator::largest(scene.brightness))
     }
 
     /// One line of what is about to be done, and by what.
@@ -340,7 +341,7 @@ impl Run<'_> {
 }
 
 /// Contributions that were kept from the film are told, and decide the exit status.
-fn verdict(rendered: &Rendered, seed: u64) -> Result<(), Failure> {
+fn verdict(rendered: &Rendered, seed: u64, largest: f32) -> Result<(), Failure> {
     if rendered.rejected == 0 && rendered.overflows == 0 {
         return Ok(());
     }
@@ -350,8 +351,23 @@ fn verdict(rendered: &Rendered, seed: u64) -> Result<(), Failure> {
     );
     for r in &rendered.rejected_first {
         message += &format!(
-            "\n  pixel {},{} sample {} technique ({},{}) seed {seed}",
-            r.pixel[0], r.pixel[1], r.sample, r.technique.s, r.technique.t
+            "\n  pixel {},{} sample {} technique ({},{}) seed {seed}{}",
+            r.pixel[0],
+            r.pixel[1],
+            r.sample,
+            r.technique.s,
+            r.technique.t,
+            match r.reason {
+                Reason::NotFinite => "",
+                Reason::TooLarge => ": overflow",
+            }
+        );
+    }
+    if rendered.overflows > 0 {
+        message += &format!(
+            "\nan overflow is a contribution of {largest:.1e} or more, too bright for a film that suits the scene's lights: \
+             something shines, or is focused, that much more than they let expect; move surfaces off point and spot lights, or \
+             make a light that is all but a point larger"
         );
     }
     if let Some(r) = rendered.rejected_first.first() {

@@ -96,7 +96,12 @@ pub fn settings(desc: &SceneDesc, args: &RenderArgs) -> Result<Settings, Failure
 
 /// What the scene, or the command line over it, renders by.
 pub fn integrator(desc: &SceneDesc) -> Integrator {
-    match desc.integrator.kind {
+    integrator_of(desc.integrator.kind)
+}
+
+/// What renders when this is asked for.
+pub fn integrator_of(kind: IntegratorKind) -> Integrator {
+    match kind {
         IntegratorKind::Auto => Integrator::Auto,
         IntegratorKind::Bdpt => Integrator::Bdpt,
         IntegratorKind::Path => Integrator::Path,

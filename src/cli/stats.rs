@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use crate::bench::machine::{cpu_seconds, peak_memory};
+use crate::integrator::Reason;
 use crate::render::{RenderJob, Rendered};
 use crate::scene::desc::SceneDesc;
 
@@ -16,31 +18,15 @@ pub struct Phases {
     pub write: Duration,
 }
 
-/// Seconds of processor time this process has used, all threads, or `None` where the system does not tell.
-fn cpu_seconds() -> Option<f64> {
-    // Fields 14 and 15 (utime, stime) of proc(5), counted after the parenthesised command name, in ticks of 1/100 s.
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    let mut fields = stat.rsplit_once(')')?.1.split_ascii_whitespace().skip(11);
-    let ticks = fields.next()?.parse::<f64>().ok()? + fields.next()?.parse::<f64>().ok()?;
-    Some(ticks / 100.0)
-}
-
-/// Largest resident memory of this process in bytes, or `None` where the system does not tell.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
-}
-
 pub fn json(job: &RenderJob, desc: &SceneDesc, accel: &str, rendered: &Rendered, phases: &Phases) -> Value {
     let s = &job.settings;
     let rays = &rendered.rays;
     let seconds = phases.render.as_secs_f64();
-    let first: Vec<Value> = rendered
-        .rejected_first
-        .iter()
-        .map(|r| json!({"pixel": r.pixel, "sample": r.sample, "technique": [r.technique.s, r.technique.t]}))
-        .collect();
+    let first = |reason: Reason| -> Vec<Value> {
+        let told = rendered.rejected_first.iter().filter(|r| r.reason == reason);
+        told.map(|r| json!({"pixel": r.pixel, "sample": r.sample, "technique": [r.technique.s, r.technique.t]}))
+            .collect()
+    };
     json!({
         "scene": format!("{:032x}", desc.fingerprint),
         "version": env!("CARGO_PKG_VERSION"),
@@ -78,8 +64,9 @@ pub fn json(job: &RenderJob, desc: &SceneDesc, accel: &str, rendered: &Rendered,
             "total": rays.total(),
             "per_second": rays.total() as f64 / seconds.max(1e-9),
         },
-        "non_finite": {"count": rendered.rejected, "first": first},
+        "non_finite": {"count": rendered.rejected, "first": first(Reason::NotFinite)},
         "overflows": rendered.overflows,
+        "overflows_first": first(Reason::TooLarge),
         "plan": rendered.plan.as_ref().map(super::explain::json),
     })
 }

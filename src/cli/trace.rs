@@ -4,10 +4,12 @@ use std::fmt::{Display, Write};
 
 use super::args::RenderArgs;
 use super::settings::{departures, name};
-use super::{Failure, figures, print, significant, status};
+use super::{Failure, figures, print, significant, status, words};
 use crate::accel::{Accel, AccelOptions};
+use crate::film::Accumulator;
+use crate::geometry::{GeometryKind, QuadricKind};
 use crate::integrator::trace::{Arrived, End, Made, Step};
-use crate::integrator::{Crop, PixelSample, Recorder, SampleLoop, Settings};
+use crate::integrator::{Crop, PixelSample, Reason, Recorder, SampleLoop, Settings};
 use crate::light::{Light, LightPoint};
 use crate::math::{DVec3, Rgb, Vec3};
 use crate::render::made_by;
@@ -75,7 +77,8 @@ pub fn run<A: Accel>(
 ) -> Result<(), Failure> {
     let (center, scale) = (prepared.center, prepared.scale);
     let scene: Scene<A> = Scene::build(prepared, AccelOptions::default()).map_err(Failure::other)?;
-    let mut recorder = Recorder::traced(Crop::full(scene.camera.resolution()));
+    let largest = Accumulator::largest(scene.brightness);
+    let mut recorder = Recorder::traced(Crop::full(scene.camera.resolution())).within(largest);
     let (made_by, thresholds) = made_by(&scene, &settings, sample.index).map_err(Failure::other)?;
     SampleLoop::thrifty(&scene, made_by, thresholds).sample(sample, &mut recorder);
     let page = Page { scene: &scene, names, center, scale };
@@ -91,16 +94,19 @@ pub fn run<A: Accel>(
     }
     page.sums(&mut out, &recorder, sample);
     print(&out);
-    match recorder.rejected().0 {
-        0 => Ok(()),
-        n => Err(Failure::new(
-            status::NON_FINITE,
-            match n {
-                1 => "1 contribution of this sample is not finite".to_owned(),
-                n => format!("{n} contributions of this sample are not finite"),
-            },
-        )),
+    let (bad, large) = (recorder.rejected().0, recorder.overflows());
+    if bad + large == 0 {
+        return Ok(());
     }
+    let mut parts = Vec::new();
+    for (count, what) in [(bad, "not finite"), (large, "too large for the film")] {
+        match count {
+            0 => {}
+            1 => parts.push(format!("1 contribution of this sample is {what}")),
+            n => parts.push(format!("{n} contributions of this sample are {what}")),
+        }
+    }
+    Err(Failure::new(status::NON_FINITE, parts.join(", ")))
 }
 
 /// What turns numbers into words.
@@ -117,11 +123,11 @@ fn line(out: &mut String, indent: usize, text: impl Display) {
 }
 
 /// Nine digits tell two f32 apart.
-fn number(x: impl Into<f64>) -> String {
+pub(super) fn number(x: impl Into<f64>) -> String {
     significant(x.into(), 9, -4..7)
 }
 
-fn color(c: Rgb) -> String {
+pub(super) fn color(c: Rgb) -> String {
     let [r, g, b] = c.to_array().map(number);
     if r == g && g == b { r } else { format!("({r} {g} {b})") }
 }
@@ -228,6 +234,7 @@ impl<A: Accel> Page<'_, A> {
                 line(out, 5, format!("next event: {light} {point}, density {}", number(*pdf)));
             }
             Step::Made(made) => self.made(out, made),
+            Step::Blocked { surface } => line(out, 7, format!("by {}", self.names.surface(*surface))),
         }
     }
 
@@ -236,8 +243,7 @@ impl<A: Accel> Page<'_, A> {
         let surface = self.names.surface(a.at.surface());
         let window = if a.through_window { ", through a window" } else { "" };
         line(out, 2, format!("{side}{} {surface} at {}{window}", a.number, self.place(a.at.p())));
-        let tag = a.at.tag;
-        line(out, 5, format!("{:?}: {tag:?}, {:?}", a.geometry, a.bsdf));
+        line(out, 5, format!("{}: {}", self.primitive(a), words::bsdf(&a.bsdf)));
         let shading = if a.at.is_flat() { String::new() } else { format!(", shading normal {}", direction(a.at.ns)) };
         let cos = number(a.wo.dot(a.at.ng).abs());
         line(out, 5, format!("normal {}{shading}, cosine {cos}, distance² {}", direction(a.at.ng), number(a.d2)));
@@ -249,6 +255,21 @@ impl<A: Accel> Page<'_, A> {
         if let Some(id) = a.light {
             line(out, 5, format!("is light {id}"));
         }
+    }
+
+    /// What kind of primitive, which, and where on it.
+    fn primitive(&self, a: &Arrived) -> String {
+        let (index, geometry) = (a.at.primitive(), &self.scene.geometry);
+        let kind = match a.geometry {
+            GeometryKind::Triangle => "triangle",
+            GeometryKind::Quadric => match geometry.quadrics[index as usize].kind {
+                QuadricKind::Sphere => "sphere",
+                QuadricKind::Disk => "disk",
+            },
+        };
+        let [u, v] = a.at.uv();
+        let uv = if geometry.wants_uv { format!(", uv ({} {})", number(u), number(v)) } else { String::new() };
+        format!("{kind} {index}{uv}")
     }
 
     fn made(&self, out: &mut String, m: &Made) {
@@ -285,7 +306,13 @@ impl<A: Accel> Page<'_, A> {
             line(out, 0, format!("to pixel {x},{y} by ({},{}): {}", t.s, t.t, color(splat.value)));
         }
         for r in recorder.rejected().1 {
-            line(out, 0, format!("not finite, kept from the image: technique ({},{})", r.technique.s, r.technique.t));
+            let why = match r.reason {
+                Reason::NotFinite => "not finite".to_owned(),
+                Reason::TooLarge => {
+                    format!("overflow, not below {}", number(Accumulator::largest(self.scene.brightness)))
+                }
+            };
+            line(out, 0, format!("{why}, kept from the image: technique ({},{})", r.technique.s, r.technique.t));
         }
     }
 }

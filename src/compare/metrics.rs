@@ -6,10 +6,10 @@ use crate::film::Image;
 
 /// Keeps the relative error finite in the dark: `(a − r)² / (r² + ε)`, the value the field's comparisons use (Rousselle,
 /// Knaus, Zwicker 2011, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", §6).
-const REL_MSE_EPSILON: f64 = 1e-2;
+pub(super) const REL_MSE_EPSILON: f64 = 1e-2;
 
 /// One in this many pixels is left out of `rel_mse_trimmed`.
-const TRIM_ONE_IN: usize = 1000;
+pub(super) const TRIM_ONE_IN: usize = 1000;
 
 /// The differences between an image and a reference, over the pixels at which both are finite in all channels; all
 /// sums in f64. Without such a pixel the means are NaN.
@@ -52,11 +52,11 @@ impl fmt::Display for CompareError {
 
 impl std::error::Error for CompareError {}
 
-/// Compares an image with a reference of the same size.
+/// Refuses images of several sizes.
 ///
 /// # Errors
 /// When the sizes differ.
-pub fn metrics(a: &Image, reference: &Image) -> Result<Metrics, CompareError> {
+pub(super) fn same_size(a: &Image, reference: &Image) -> Result<(), CompareError> {
     if (a.width, a.height) != (reference.width, reference.height) {
         return Err(CompareError {
             message: format!(
@@ -65,6 +65,15 @@ pub fn metrics(a: &Image, reference: &Image) -> Result<Metrics, CompareError> {
             ),
         });
     }
+    Ok(())
+}
+
+/// Compares an image with a reference of the same size.
+///
+/// # Errors
+/// When the sizes differ.
+pub fn metrics(a: &Image, reference: &Image) -> Result<Metrics, CompareError> {
+    same_size(a, reference)?;
     let mut sum_a = [0.0; 3];
     let mut sum_ref = [0.0; 3];
     let mut sum_squares = 0.0;

@@ -3,6 +3,10 @@
 //! A test of "no difference" that is too noisy passes everything. So each one comes in a pair: Welch's test (is there
 //! evidence of a difference?) and `Interval::within` (is there evidence that it is small?).
 
+mod median;
+
+pub use median::{Median, median_order};
+
 use super::special::{erfc, gamma_q, incomplete_beta_with_complement};
 
 /// Count, mean and variance of a stream of values, without cancellation (Welford 1962, "Note on a Method for

@@ -54,7 +54,16 @@ fn read_layer_of_exr(path: &Path, name: &str) -> Result<Decoded, String> {
         check_exr_header(header, length)?;
     }
     let layers = found(reader.headers());
-    let Some(layer) = layers.iter().find(|layer| layer.name == name && !name.is_empty()) else {
+    let is_named = |layer: &&Layer| layer.name == name && !name.is_empty();
+    // A layer of one channel goes by that channel's name as well: `depth.Z` is all of `depth`.
+    let is_its_channel = |layer: &&Layer| match layer.channels.as_slice() {
+        [only] => {
+            let last = only.rsplit('.').next().unwrap_or_default();
+            if layer.name.is_empty() { last == name } else { format!("{}.{last}", layer.name) == name }
+        }
+        _ => false,
+    };
+    let Some(layer) = layers.iter().find(is_named).or_else(|| layers.iter().find(is_its_channel)) else {
         let names: Vec<&str> = layers.iter().map(|l| l.name.as_str()).filter(|n| !n.is_empty()).collect();
         let there =
             if names.is_empty() { "it has none".to_owned() } else { format!("there are: {}", names.join(", ")) };

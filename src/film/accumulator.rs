@@ -6,8 +6,9 @@
 //! The quantum is 2⁻⁵⁶ of the light that the scene's lights may be expected to throw on a surface (`Light::brightness`),
 //! and follows nothing else, so that emission × 2ᵏ shifts every sum exactly. A contribution may exceed it 2⁴⁷ times: that
 //! much brighter may a lamp be than what it lights, and a point light of intensity I makes a surface at distance r shine
-//! with ρI/πr². What is larger is counted as an overflow and left out. The sum holds 2²⁴ contributions of that largest
-//! size in one pixel, and as many more as they are smaller.
+//! with ρI/πr². What is larger is an overflow: `largest` tells, so that it is kept from the film where its pixel, sample and
+//! technique are known (`integrator::Recorder`). The sum holds 2²⁴ contributions of that largest size in one pixel, and as many
+//! more as they are smaller.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -19,6 +20,9 @@ const BITS_BELOW_EMISSION: i32 = 56;
 
 /// Contributions beyond this many quanta are overflows: 2²⁴ of them, all on one pixel, still fit.
 const LARGEST: f64 = 1.014_120_480_182_583_5e31; // 2¹⁰³
+
+/// A sample's sum, of contributions that are each below `LARGEST`, may be larger by this.
+const SUMMED: f64 = 4096.0;
 
 /// Memory of a film with the image it resolves to.
 pub const BYTES_PER_PIXEL: u64 = 48 + 12;
@@ -49,29 +53,23 @@ impl std::ops::AddAssign for Quanta {
 }
 
 impl Accumulator {
-    /// An empty sum for an image of a scene whose lights throw light of about `emission` (any channel).
-    pub fn new(width: u32, height: u32, emission: f32) -> Self {
-        // The exponent field of the f64, in which every positive f32 is normal: exact, as a logarithm is not.
-        let exponent = if emission > 0.0 && emission.is_finite() {
-            (f64::from(emission).to_bits() >> 52) as i32 - 1023
-        } else {
-            0
-        };
-        let cells = (0..width as usize * height as usize).map(|_| Default::default()).collect();
-        Self {
-            width,
-            height,
-            scale: f64::from(BITS_BELOW_EMISSION - exponent).exp2(),
-            cells,
-            overflows: AtomicU64::new(0),
-        }
+    /// The smallest contribution (any channel) that is too large for a film of this `emission`; infinite where all fit.
+    pub fn largest(emission: f32) -> f32 {
+        (LARGEST / scale(emission)) as f32
     }
 
-    /// Rounds a finite contribution to quanta. One that is too large becomes zero and is counted.
+    /// An empty sum for an image of a scene whose lights throw light of about `emission` (any channel).
+    pub fn new(width: u32, height: u32, emission: f32) -> Self {
+        let cells = (0..width as usize * height as usize).map(|_| Default::default()).collect();
+        Self { width, height, scale: scale(emission), cells, overflows: AtomicU64::new(0) }
+    }
+
+    /// Rounds a finite contribution, or a sample's sum, to quanta. One that no gate should have let through becomes zero and is
+    /// counted.
     #[inline]
     pub fn quantize(&self, value: Rgb) -> Quanta {
         let x = value.as_dvec3() * self.scale;
-        if x.abs().max_element() < LARGEST {
+        if x.abs().max_element() < LARGEST * SUMMED {
             Quanta([round(x.x), round(x.y), round(x.z)])
         } else {
             self.overflows.fetch_add(1, Ordering::Relaxed);
@@ -106,7 +104,7 @@ impl Accumulator {
         }
     }
 
-    /// How many contributions were too large to be summed.
+    /// How many values were too large to be summed.
     pub fn overflows(&self) -> u64 {
         self.overflows.load(Ordering::Relaxed)
     }
@@ -133,6 +131,14 @@ impl Accumulator {
         }
         image
     }
+}
+
+/// 2⁻ᵉ, quanta per unit, of a film of this emission.
+fn scale(emission: f32) -> f64 {
+    // The exponent field of the f64, in which every positive f32 is normal: exact, as a logarithm is not.
+    let exponent =
+        if emission > 0.0 && emission.is_finite() { (f64::from(emission).to_bits() >> 52) as i32 - 1023 } else { 0 };
+    f64::from(BITS_BELOW_EMISSION - exponent).exp2()
 }
 
 /// To the nearest integer, ties to even.
@@ -207,6 +213,9 @@ mod tests {
         let got = film.resolve(10_000_000).rgb[0][0];
         assert_eq!(got, 0.1);
         assert_eq!(film.overflows(), 0);
+        let largest = Accumulator::largest(1.0);
+        assert_eq!(largest, 47.0_f32.exp2());
+        assert_ne!(film.quantize(Rgb::splat(largest)), Quanta::default());
         film.add(0, film.quantize(Rgb::splat(1e37)));
         assert_eq!(film.overflows(), 1);
         assert_eq!(film.resolve(10_000_000).rgb[0][0], got);

@@ -2,8 +2,8 @@
 //! exactly, as the picture does.
 //!
 //! What the picture's film rounds to quanta 2ᵉ is squared as an integer and summed in quanta 2²ᵉ. A contribution that
-//! fits the film is below 2¹⁰³ quanta, so its square is below 2²⁰⁶, and the 256-bit sums hold 2⁵⁰ of these: no square is
-//! lost that the picture has the contribution of.
+//! fits the film is below 2¹⁰³ quanta and a sample's sum below 2¹¹⁵, so that its square is below 2²³⁰, and the 256-bit sums
+//! hold 2²⁶ of the largest: no square is lost that the picture has the contribution of.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -98,7 +98,20 @@ impl Geometry {
 }
 
 /// Triangles less high than this, over their longest side, are slivers.
-const THIN: f64 = 0.05;
+///
+/// Measured with Embree 4.3.3, rays from random points of triangles with a corner or the middle at the origin, where the bound
+/// on a point's error is least, or anywhere, 8·10⁵ for each height, three in ten of them grazing; how many meet their
+/// triangle again that start off it by all of what `SurfacePoint::origin` moves them, by half of it and by a quarter:
+///
+/// | height | 1 | 1/10 | 1/15 | 1/20 | 1/33 | 1/50 | 1/100 | 1/200 | 1/300 | 1/1000 |
+/// |---|---|---|---|---|---|---|---|---|---|---|
+/// | all | 0 | 0 | 0 | 0 | 0 | 6 | 124 | 1181 | 3013 | 16217 |
+/// | half | 0 | 0 | 0 | 3 | 40 | 226 | 1747 | 6344 | 12267 | 38940 |
+/// | a quarter | 0 | 7 | 17 | 90 | 616 | 1773 | 7088 | 19705 | 30253 | 71178 |
+///
+/// Of 2·10⁶ others one did so at 1/20 with all of it, and none at 1/15. So of what is left to Embree half the offset is enough;
+/// the first height to fail with all of it in 8·10⁵ rays is less than a third of this.
+const THIN: f64 = 1.0 / 15.0;
 
 /// Whether a triangle is so thin that the f32 product of its edges, nearly parallel, gives its plane a tilt that rays notice: by
 /// about ε · length/height. Those without an area are met by nothing anyway.
@@ -121,7 +134,7 @@ mod tests {
     #[test]
     fn what_is_thin_is_told() {
         let triangle = |height: f32| [Vec3::ZERO, Vec3::X * 3.0, Vec3::new(1.0, 3.0 * height, 0.0)];
-        assert!([0.04, 1e-6, 0.0].into_iter().all(|height| is_sliver(triangle(height))));
-        assert!([0.06, 1.0].into_iter().all(|height| !is_sliver(triangle(height))));
+        assert!([0.06, 1e-6, 0.0].into_iter().all(|height| is_sliver(triangle(height))));
+        assert!([0.07, 1.0].into_iter().all(|height| !is_sliver(triangle(height))));
     }
 }

@@ -93,9 +93,20 @@ impl SurfacePoint {
     }
 }
 
-/// Roundings relative to a segment's length that bound how far from its far end the traversal finds the surface: one
-/// for the direction `b − a`, the rest for vertices taken relative to the origin and for the distance along the ray. More
-/// would let light through sheets close before a lamp: 16 ulps of their coordinate have to keep it out.
+/// Roundings relative to a segment's length that bound how far from its far end the traversal finds the surface: for the
+/// direction `b − a`, for vertices taken relative to the origin and for the distance along the ray. Their worst case adds up
+/// to more, and more would let light through sheets close before a lamp, which 16 ulps of their coordinate have to keep out.
+///
+/// So six is a measurement: of 10⁷ segments each of the lengths ½, 2 and 8 to triangles as high as 1/2 of their longest side,
+/// and as many to others of 1/10, three in ten of them grazing, Embree 4.3.3 finds blocked by their own end
+///
+/// | roundings | 2 | 4 | 6 | 8 | 16 |
+/// |---|---|---|---|---|---|
+/// | length ½ | 13255 | 39 | 9 | 9 | 9 |
+/// | length 2 | 71267 | 180 | 0 | 0 | 0 |
+/// | length 8 | 203746 | 511 | 0 | 0 | 0 |
+///
+/// and the nine, to triangles three times as long, start within the rounding of their plane.
 const SEGMENT_ROUNDINGS: u32 = 6;
 
 /// Roundings, relative to the corners, that bound the distance between a point interpolated from barycentrics and the

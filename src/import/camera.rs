@@ -19,12 +19,19 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// Below it the rounding of a splat's place is larger than the filter; above it a splat visits too many pixels.
 const FILTER_RADIUS: Range = Range { text: "0.01 to 100 pixels", holds: |x| (0.01..=100.0).contains(&x) };
 
+/// What is said of a scene without a camera.
+const NO_CAMERA: &str = "\"camera\" is missing; for example \"camera\": {\"transform\": {\"from\": [0, 1, 5], \"at\": [0, 0, 0], \
+                         \"up\": [0, 1, 0]}, \"vfov\": 40}";
+
 const FIELD_OF_VIEW: Range = Range { text: "between 0 and 180 degrees", holds: |x| x > 0.0 && x < 180.0 };
 
 impl<'a> Context<'a> {
     /// The scene's camera.
     pub fn camera(&mut self, scene: &Object<'a>) -> Option<CameraDesc> {
-        let node = self.required(scene, "camera")?;
+        if self.is_untold(scene, "camera") {
+            self.error(&scene.node, NO_CAMERA.to_owned());
+        }
+        let node = scene.get("camera")?;
         let object = self.object(node, "an object")?;
         let kind = self.type_of(&object, "camera type", &["perspective", "orthographic"], &[]);
         let (parallel, keys) = match kind {

@@ -3,7 +3,7 @@
 //! A reader that meets an error reports it here and returns `None`; its caller carries on with the next value, so that
 //! one run shows all the mistakes of a file.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use super::json::{Document, Entry, Kind, Node, excerpt};
@@ -31,6 +31,8 @@ pub(super) struct Context<'a> {
     /// Diagnostics with the offset in the scene file that they belong to.
     diagnostics: Vec<(usize, Diagnostic)>,
     left_off: usize,
+    /// The names of materials and textures, by kind, with the offsets at which they are defined: also of those not yet read.
+    declared: HashMap<(&'static str, String), usize>,
     /// Keys that are missing but have been told of by an unknown key near them, with their object's offset.
     misspelt: HashSet<(usize, String)>,
 }
@@ -99,8 +101,31 @@ impl<'a> Context<'a> {
             notes: Vec::new(),
             diagnostics: Vec::new(),
             left_off: 0,
+            declared: HashMap::new(),
             misspelt: HashSet::new(),
         }
+    }
+
+    /// Notes the names that the elements of an array define.
+    pub fn declare(&mut self, kind: &'static str, nodes: &[Node<'a>]) {
+        for node in nodes {
+            let name = node.entries().unwrap_or_default().into_iter().find(|entry| entry.key == "name");
+            if let Some((name, offset)) = name.and_then(|entry| Some((entry.value.string()?, entry.value.offset))) {
+                self.declared.entry((kind, name)).or_insert(offset);
+            }
+        }
+    }
+
+    /// What is to be said of a name that is used before the line that defines it, if one does.
+    pub fn defined_below(&self, kind: &'static str, name: &str, node: &Node<'a>) -> Option<String> {
+        let offset = *self.declared.get(&(kind, name.to_owned()))?;
+        let line = self.document.place(offset, "").line;
+        (offset > node.offset).then(|| {
+            format!(
+                "the {kind} {:?} is defined below, on line {line}; move it before what is made of it",
+                excerpt(name)
+            )
+        })
     }
 
     /// Ends reading: everything found wrong or, if nothing is, the notes; both in file order.

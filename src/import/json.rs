@@ -166,7 +166,17 @@ impl<'a> Document<'a> {
         let what = if what == "expected ident" { "expected value" } else { what };
         let found = self.text[offset..].split(|c: char| c.is_whitespace() || ",]}".contains(c)).next().unwrap_or("");
         let found = if found.is_empty() { self.text[offset..].get(..1).unwrap_or("") } else { found };
-        let message = format!("invalid JSON: {what}, found `{}`", printable(found));
+        let remedy = match found.trim_start_matches(['+', '-']) {
+            word if word.starts_with("//") || word.starts_with("/*") || word.starts_with('#') => {
+                "; JSON has no comments: delete it"
+            }
+            word if word.starts_with('\'') => "; JSON's keys and strings take double quotes (\")",
+            word if ["nan", "inf", "infinity"].contains(&word.to_ascii_lowercase().as_str()) => {
+                "; JSON has finite numbers only"
+            }
+            _ => "",
+        };
+        let message = format!("invalid JSON: {what}, found `{}`{remedy}", printable(found));
         self.diagnostic(offset, message)
     }
 

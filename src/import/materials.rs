@@ -129,7 +129,9 @@ impl<'a> Context<'a> {
     pub fn materials(&mut self, scene: &Object<'a>) -> Materials {
         let mut materials = Materials::default();
         let nodes = scene.get("materials").and_then(|node| self.array(node, "an array of materials"));
-        for node in nodes.unwrap_or_default() {
+        let nodes = nodes.unwrap_or_default();
+        self.declare("material", &nodes);
+        for node in nodes {
             let Some(object) = self.object(&node, "an object") else { continue };
             let name = object.get("name").and_then(|n| self.string(n));
             let material = self.material(&object, name.clone(), &mut materials);
@@ -154,7 +156,9 @@ impl<'a> Context<'a> {
             Kind::String => {
                 let name = self.string(node)?;
                 let found = materials.by_name.get(&name).copied();
-                if found.is_none() {
+                if let (None, Some(message)) = (found, self.defined_below("material", &name, node)) {
+                    self.error(node, message);
+                } else if found.is_none() {
                     let known = if materials.names.is_empty() {
                         "there are no named materials".to_owned()
                     } else {

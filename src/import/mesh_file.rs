@@ -8,6 +8,7 @@ use flate2::read::MultiGzDecoder;
 use super::scan::{MeshError, Spot};
 use super::{obj, place_in_file, ply};
 use crate::decode::{OpenError, open_regular};
+use crate::math::DVec3;
 use crate::scene::desc::{Diagnostic, MeshDesc};
 
 /// Largest size in bytes that a compressed mesh may inflate to: a small file can be made to fill any memory.
@@ -39,6 +40,14 @@ pub enum MeshFormat {
 /// When the file is no regular one, cannot be read, is of no known format (told by its name's ending), or is not a valid
 /// mesh.
 pub fn load_mesh(path: &Path) -> Result<MeshDesc, MeshFileError> {
+    load_mesh_within(path, MAX_INFLATED_BYTES)
+}
+
+/// `load_mesh` with a limit in bytes, beside [`MAX_INFLATED_BYTES`], to what a compressed file may inflate to.
+///
+/// # Errors
+/// As there, and when it is more.
+pub fn load_mesh_within(path: &Path, memory: u64) -> Result<MeshDesc, MeshFileError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let (stem, compressed) = name.strip_suffix(".gz").map_or((name.as_str(), false), |stem| (stem, true));
     let format = match stem.rsplit_once('.').map(|(_, extension)| extension) {
@@ -54,7 +63,7 @@ pub fn load_mesh(path: &Path) -> Result<MeshDesc, MeshFileError> {
     })?;
     let mut bytes = Vec::new();
     if compressed {
-        inflate(file, MAX_INFLATED_BYTES, &mut bytes).map_err(unreadable)?;
+        inflate(file, memory.min(MAX_INFLATED_BYTES), &mut bytes).map_err(unreadable)?;
     } else {
         file.read_to_end(&mut bytes).map_err(unreadable)?;
     }
@@ -70,7 +79,7 @@ pub fn mesh_from_bytes(bytes: &[u8], format: MeshFormat, file: &str) -> Result<M
         MeshFormat::Obj => obj::parse(bytes),
         MeshFormat::Ply => ply::parse(bytes),
     };
-    mesh.map_err(|error| {
+    mesh.and_then(|mesh| if has_area(&mesh) { Ok(mesh) } else { Err(no_area(&mesh)) }).map_err(|error| {
         let MeshError { at, message } = *error;
         match at {
             Spot::File => Diagnostic { at: place_in_file(file, 0, 0), message },
@@ -79,6 +88,21 @@ pub fn mesh_from_bytes(bytes: &[u8], format: MeshFormat, file: &str) -> Result<M
                 Diagnostic { at: place_in_file(file, 0, 0), message: format!("at byte {byte}: {message}") }
             }
         }
+    })
+}
+
+/// Whether some triangle has an area.
+fn has_area(mesh: &MeshDesc) -> bool {
+    mesh.triangles.iter().any(|triangle| {
+        let [a, b, c] = triangle.map(|i| DVec3::from(mesh.positions[i as usize].map(f64::from)));
+        (b - a).cross(c - a) != DVec3::ZERO
+    })
+}
+
+fn no_area(mesh: &MeshDesc) -> Box<MeshError> {
+    MeshError::file(match mesh.triangles.len() {
+        1 => "the mesh's only triangle has no area: its corners are on one line".to_owned(),
+        n => format!("none of the mesh's {n} triangles has an area: the corners of each are on one line"),
     })
 }
 
@@ -112,6 +136,16 @@ mod tests {
         let mut out = Vec::new();
         let error = inflate(data.as_slice(), 999, &mut out).unwrap_err().to_string();
         assert_eq!(error, "it inflates to more than 999 bytes, the most that is allowed");
+    }
+
+    #[test]
+    fn a_compressed_mesh_ends_at_the_limit_given() {
+        let path = std::env::temp_dir().join(format!("twinlight-limit-{}.obj.gz", std::process::id()));
+        std::fs::write(&path, gzip(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).unwrap();
+        let [enough, little] = [32, 31].map(|most| load_mesh_within(&path, most));
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(enough.unwrap().triangles.len(), 1);
+        assert!(matches!(little, Err(MeshFileError::Unreadable(why)) if why.contains("more than 31 bytes")));
     }
 
     #[test]

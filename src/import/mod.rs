@@ -86,7 +86,7 @@ pub fn load_scene(path: &Path) -> Result<SceneDesc, ImportError> {
 }
 
 /// `load_scene` with a limit in bytes to the memory that meshes may take: a file that alone, or with those before it, takes
-/// more is an error before it is read. What compressed ones inflate to is known only then.
+/// more is an error before it is read. What compressed ones inflate to is known only then, and ends at the limit.
 ///
 /// # Errors
 /// As there.

@@ -113,7 +113,7 @@ pub(super) fn parse(bytes: &[u8]) -> Scanned<MeshDesc> {
             word if IGNORED.contains(&word) => s.next_line(),
             word => {
                 let message =
-                    format!("unknown statement `{}`; allowed: v, vt, vn, f, g, o, s, usemtl, mtllib", show(word));
+                    format!("unknown statement `{}`; allowed: v, vt, vn, f, l, p, g, o, s, usemtl, mtllib", show(word));
                 return Err(MeshError::new(start, message));
             }
         }

@@ -177,6 +177,12 @@ impl<'a> Scanner<'a> {
                 self.pos += word.len();
                 Ok(value)
             }
+            // A number that is too large, and no word for infinity.
+            Some(value) if value.is_infinite() && word.iter().any(u8::is_ascii_digit) => {
+                let message =
+                    format!("{what} {} is out of range; allowed: -3.4e38 to 3.4e38 (32-bit floats)", show(word));
+                self.error(message)
+            }
             Some(_) => {
                 let message = format!("{what} `{}` is not finite; allowed: -3.4e38 to 3.4e38", show(word));
                 self.error(message)

@@ -138,11 +138,24 @@ impl<'a> Context<'a> {
 
     fn quad(&mut self, object: &Object<'a>) -> Option<ShapeDesc> {
         let size = object.get("size").map_or(Some([1.0; 2]), |node| self.vector(node, POSITIVE))?;
+        self.check_length(object.get("size"), &size)?;
         Some(ShapeDesc::Quad { size })
     }
 
     fn radius(&mut self, object: &Object<'a>) -> Option<f64> {
-        object.get("radius").map_or(Some(1.0), |node| self.number(node, POSITIVE))
+        let radius = object.get("radius").map_or(Some(1.0), |node| self.number(node, POSITIVE))?;
+        self.check_length(object.get("radius"), &[radius])?;
+        Some(radius)
+    }
+
+    /// Lengths that are 0 as 32-bit floats leave nothing to see.
+    fn check_length(&mut self, node: Option<&Node<'a>>, lengths: &[f64]) -> Option<()> {
+        let lost = lengths.iter().find(|x| **x as f32 == 0.0);
+        if let (Some(length), Some(node)) = (lost, node) {
+            self.error(node, format!("{length:e} is 0 as a 32-bit float; allowed: 1e-45 or more"));
+            return None;
+        }
+        Some(())
     }
 
     fn mesh(&mut self, object: &Object<'a>) -> Option<MeshDesc> {
@@ -168,7 +181,9 @@ impl<'a> Context<'a> {
         let name = self.string(node)?;
         let path = self.base_dir.join(&name);
         self.check_memory(node, &path)?;
-        match mesh_file::load_mesh(&path) {
+        // Of a compressed file the size is known when it has been inflated.
+        let [most, taken] = self.memory;
+        match mesh_file::load_mesh_within(&path, most.saturating_sub(taken)) {
             Ok(mesh) => {
                 let MeshDesc { positions, normals, uvs, triangles } = &mesh;
                 let sizes = [size_of_val(&positions[..]), size_of_val(&normals[..]), size_of_val(&uvs[..])];
@@ -177,7 +192,11 @@ impl<'a> Context<'a> {
             }
             Err(mesh_file::MeshFileError::Unreadable(what)) => {
                 // The system's own words end with its number; others say themselves what to do.
-                let hint = if what.contains("(os error ") { super::CHECK_NAME } else { "" };
+                let hint = match () {
+                    () if what.contains("(os error ") => super::CHECK_NAME,
+                    () if what.contains("it inflates to more than") => "; use a simpler mesh or a larger --max-memory",
+                    () => "",
+                };
                 self.error(node, format!("cannot read {}: {what}{hint}", path.display()));
                 None
             }

@@ -64,7 +64,9 @@ impl<'a> Context<'a> {
     /// Reads the scene's named textures.
     pub fn named_textures(&mut self, scene: &Object<'a>) {
         let nodes = scene.get("textures").and_then(|node| self.array(node, "an array of textures"));
-        for node in nodes.unwrap_or_default() {
+        let nodes = nodes.unwrap_or_default();
+        self.declare("texture", &nodes);
+        for node in nodes {
             let Some(object) = self.object(&node, "an object") else { continue };
             let name = object.get("name").and_then(|n| self.string(n));
             let texture = self.texture(&object, Use::Color);
@@ -119,6 +121,10 @@ impl<'a> Context<'a> {
     fn texture_named(&mut self, node: &Node<'a>, usage: Use) -> Option<usize> {
         let name = self.string(node)?;
         let Some(&found) = self.textures.by_name.get(&name) else {
+            if let Some(message) = self.defined_below("texture", &name, node) {
+                self.error(node, message);
+                return None;
+            }
             let names = &self.textures.names;
             let known = if names.is_empty() {
                 "there are no named textures here".to_owned()

@@ -11,7 +11,7 @@ pub mod trace;
 mod worth;
 
 pub use class::PathClass;
-pub use recorder::{Contribution, Rays, Recorder, Rejected, Technique};
+pub use recorder::{Contribution, Rays, Reason, Recorder, Rejected, Technique};
 pub use roulette::Roulette;
 pub use worth::Thresholds;
 

@@ -199,9 +199,11 @@ pub(super) fn sample<A: Accel, const T: bool>(
                     };
                     let weighted = |w: f32| scaled(beta * value.f, le, cos / pdf_light * f64::from(w));
                     let contribution = weighted(w);
-                    let visible = ray_roulette
-                        .visible(contribution, || scene.visibility(&y.point.shadow_ray(at), &mut recorder.rays.shadow));
+                    let segment = y.point.shadow_ray(at);
+                    let visible =
+                        ray_roulette.visible(contribution, || scene.visibility(&segment, &mut recorder.rays.shadow));
                     recorder.tell(|| made(1, t, id, Some([weighted(1.0), contribution]), visible));
+                    recorder.tell_blocker(visible, || scene.blocker(&segment));
                     if visible > 0.0 {
                         recorder.add(1, t, contribution * visible);
                     }

@@ -41,9 +41,20 @@ pub struct Noted {
     pub others: [f64; CANDIDATES],
 }
 
-/// A contribution that was not finite and was kept from the film, with what makes it again.
+/// Why a contribution was kept from the film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Reason {
+    /// It was not finite.
+    NotFinite,
+    /// It was larger than the film can sum (`film::Accumulator::largest`).
+    TooLarge,
+}
+
+/// A contribution that was kept from the film, with what makes it again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rejected {
+    /// Why.
+    pub reason: Reason,
     /// Column and row of the pixel whose sample it came from.
     pub pixel: [u32; 2],
     /// Number of that sample.
@@ -90,8 +101,8 @@ impl std::ops::AddAssign for Rays {
     }
 }
 
-/// How many rejected contributions a recorder remembers in full; all are counted.
-const REMEMBERED: usize = 16;
+/// How many rejected contributions a recorder remembers in full, for each reason; all are counted.
+const REMEMBERED: u64 = 16;
 
 /// Collects the contributions of samples, one thread's. If `TRACED`, each step of theirs as well; what a plain one is not
 /// told costs it nothing.
@@ -109,7 +120,10 @@ pub struct Recorder<const TRACED: bool = false> {
     by_technique: Option<Vec<Contribution>>,
     /// Counted work.
     pub rays: Rays,
-    rejected_count: u64,
+    /// Contributions from here on are too large.
+    limit: f32,
+    /// By reason.
+    rejected_count: [u64; 2],
     rejected: Vec<Rejected>,
     steps: Vec<Step>,
     noted: Vec<Noted>,
@@ -144,11 +158,25 @@ impl<const TRACED: bool> Recorder<TRACED> {
             splats: Vec::new(),
             by_technique: by_technique.then(Vec::new),
             rays: Rays::default(),
-            rejected_count: 0,
+            limit: f32::INFINITY,
+            rejected_count: [0; 2],
             rejected: Vec::new(),
             steps: Vec::new(),
             noted: Vec::new(),
         }
+    }
+
+    /// For a film that cannot sum contributions of `limit` or more.
+    #[must_use]
+    pub fn within(self, limit: f32) -> Self {
+        Self { limit, ..self }
+    }
+
+    /// Whether a contribution is finite, and small enough.
+    #[inline(always)]
+    fn fits(&self, value: Rgb) -> bool {
+        // False of NaN, and of ∞.
+        value.abs().cmplt(Rgb::splat(self.limit)).all()
     }
 
     /// Keeps a step, which is made only where steps are kept.
@@ -156,6 +184,14 @@ impl<const TRACED: bool> Recorder<TRACED> {
     pub fn tell(&mut self, step: impl FnOnce() -> Step) {
         if TRACED {
             self.steps.push(step());
+        }
+    }
+
+    /// Names what blocks a connection through which nothing passes.
+    #[inline(always)]
+    pub fn tell_blocker(&mut self, visible: f32, blocker: impl FnOnce() -> Option<u32>) {
+        if TRACED && visible == 0.0 {
+            self.steps.extend(blocker().map(|surface| Step::Blocked { surface }));
         }
     }
 
@@ -170,8 +206,8 @@ impl<const TRACED: bool> Recorder<TRACED> {
     /// Adds to the pixel of the sample under way.
     #[inline]
     pub fn add(&mut self, s: u32, t: u32, value: Rgb) {
-        if !value.is_finite() {
-            self.reject(Technique { s, t });
+        if !self.fits(value) {
+            self.reject(value, Technique { s, t });
             return;
         }
         self.radiance += value;
@@ -184,8 +220,8 @@ impl<const TRACED: bool> Recorder<TRACED> {
     /// Adds to any pixel of the image; pixels outside the crop are passed over.
     #[inline]
     pub fn splat(&mut self, s: u32, t: u32, pixel: [u32; 2], value: Rgb) {
-        if !value.is_finite() {
-            self.reject(Technique { s, t });
+        if !self.fits(value) {
+            self.reject(value, Technique { s, t });
             return;
         }
         if !self.crop.contains(pixel) {
@@ -210,10 +246,12 @@ impl<const TRACED: bool> Recorder<TRACED> {
     }
 
     #[cold]
-    fn reject(&mut self, technique: Technique) {
-        self.rejected_count += 1;
-        if self.rejected.len() < REMEMBERED {
-            self.rejected.push(Rejected { pixel: self.pixel, sample: self.sample, technique });
+    fn reject(&mut self, value: Rgb, technique: Technique) {
+        let reason = if value.is_finite() { Reason::TooLarge } else { Reason::NotFinite };
+        let count = &mut self.rejected_count[reason as usize];
+        *count += 1;
+        if *count <= REMEMBERED {
+            self.rejected.push(Rejected { reason, pixel: self.pixel, sample: self.sample, technique });
         }
     }
 
@@ -247,13 +285,18 @@ impl<const TRACED: bool> Recorder<TRACED> {
     pub fn reset(&mut self) {
         self.clear();
         self.rays = Rays::default();
-        self.rejected_count = 0;
+        self.rejected_count = [0; 2];
         self.rejected.clear();
     }
 
-    /// How many contributions were not finite, and the first of them.
+    /// How many contributions were not finite, and the first of all that were kept out.
     pub fn rejected(&self) -> (u64, &[Rejected]) {
-        (self.rejected_count, &self.rejected)
+        (self.rejected_count[Reason::NotFinite as usize], &self.rejected)
+    }
+
+    /// How many were too large.
+    pub fn overflows(&self) -> u64 {
+        self.rejected_count[Reason::TooLarge as usize]
     }
 }
 
@@ -278,8 +321,22 @@ mod tests {
         assert!(r.splats().is_empty());
         let (count, first) = r.rejected();
         assert_eq!(count, 2);
-        assert_eq!(first[0], Rejected { pixel: [1, 2], sample: 7, technique: Technique { s: 0, t: 3 } });
+        let reason = Reason::NotFinite;
+        assert_eq!(first[0], Rejected { reason, pixel: [1, 2], sample: 7, technique: Technique { s: 0, t: 3 } });
         assert_eq!(first[1].technique, Technique { s: 2, t: 1 });
+    }
+
+    #[test]
+    fn what_is_too_large_is_counted_and_named_and_kept_out() {
+        let mut r = Recorder::new(Crop::full([4, 4]), true).within(100.0);
+        r.begin([1, 2], 7);
+        r.add(0, 3, Rgb::new(1.0, 100.0, 0.0));
+        r.add(0, 2, Rgb::new(1.0, 99.0, f32::NAN));
+        r.splat(2, 1, [0, 0], Rgb::splat(99.0));
+        assert_eq!((r.radiance(), r.splats().len(), r.by_technique().len()), (Rgb::ZERO, 1, 1));
+        assert_eq!((r.overflows(), r.rejected().0), (1, 1));
+        let first = r.rejected().1[0];
+        assert_eq!((first.reason, first.pixel, first.technique.t), (Reason::TooLarge, [1, 2], 3));
     }
 
     #[test]

@@ -78,6 +78,11 @@ pub enum Step {
     },
     /// A technique has made a path.
     Made(Made),
+    /// What blocks the path made last: the surface nearest along its connection.
+    Blocked {
+        /// Its index.
+        surface: u32,
+    },
 }
 
 /// A vertex that a subpath has come to.

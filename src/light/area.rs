@@ -5,7 +5,7 @@ mod direct;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use crate::geometry::{Geometry, Quadric, QuadricKind, SurfacePoint, SurfaceTag, triangle_area};
+use crate::geometry::{Geometry, Quadric, QuadricKind, SurfacePoint, SurfaceTag, exact_normal, triangle_area};
 use crate::math::{DMat3, DVec3, Frame, PointWithError, Rgb, Vec2, Vec3, gamma};
 use crate::pdf::{AreaPdf, SolidAnglePdf};
 use crate::planted::{Bug, planted};
@@ -49,8 +49,9 @@ pub enum Emitter {
         corner: Vec3,
         /// The edges that leave it.
         edges: [Vec3; 2],
-        /// Unit normal on the emitting side.
-        normal: Vec3,
+        /// Unit normals on the emitting side: of the half along the first edge, and of that along the second. But for the
+        /// corners' roundings they are one; of a thin lamp these tilt the halves, and what hits a half sees its own.
+        normals: [Vec3; 2],
         /// Texture coordinates of the corner, and their differences along the edges.
         uv: [Vec2; 3],
         /// Unit vectors along the edges and their lengths, where the edges are at right angles.
@@ -171,13 +172,14 @@ impl AreaLight {
     /// The point of a parallelogram at the fractions `u` of its edges; `None` of another shape.
     #[inline(always)]
     pub(super) fn parallelogram_point(&self, u: [f32; 2]) -> Option<SurfacePoint> {
-        let Emitter::Parallelogram { corner, edges, normal, uv, first, .. } = &self.emitter else { return None };
+        let Emitter::Parallelogram { corner, edges, normals, uv, first, .. } = &self.emitter else { return None };
         let (a, b) = (edges[0] * u[0], edges[1] * u[1]);
         // As for triangles, the bound follows the corners, not the point.
         let error = (corner.abs() + edges[0].abs() + edges[1].abs()) * gamma(16);
         let point = PointWithError { p: *corner + a + b, error };
         let uv = (uv[0] + uv[1] * u[0] + uv[2] * u[1]).to_array();
-        Some(SurfacePoint { point, ng: *normal, ns: *normal, tag: SurfaceTag::new(self.surface, *first, uv) })
+        let normal = normals[usize::from(u[0] < u[1])];
+        Some(SurfacePoint { point, ng: normal, ns: normal, tag: SurfaceTag::new(self.surface, *first, uv) })
     }
 
     /// Density with which `sample_point` chooses the point `p` of this light.
@@ -289,13 +291,14 @@ fn parallelogram(geometry: &Geometry, triangles: Range<u32>) -> Option<Emitter> 
     let scale = a.abs().max(b.abs()).max(c.abs()).max(d.abs()).max_element();
     let gap = ((b - a) - (c - d)).abs().max_element();
     let edges = [b - a, d - a];
-    let normal = edges[0].cross(edges[1]).try_normalize()?;
+    // Those of hits, which may be f32's where no triangle of the scene is thin: there the difference is a rounding or two.
+    let normals = [exact_normal(a, b, c), exact_normal(a, c, d)];
     // The gap must be small against the edges too, or a sliver's density would not be uniform.
     let small = edges[0].length().min(edges[1].length());
     (gap <= 4.0 * f32::EPSILON * scale && gap <= 1e-4 * small).then_some(Emitter::Parallelogram {
         corner: a,
         edges,
-        normal,
+        normals,
         uv,
         rectangle: rectangle(edges),
         first,

@@ -80,6 +80,9 @@ pub struct DirectSample {
     pub pdf: LightPointPdf,
 }
 
+/// The least share of an emitter's radiance that the film expects of it, however small it is.
+const SMALLEST_SHARE: f64 = 1.0 / (1u64 << 27) as f64;
+
 impl Light {
     /// Whether no path can hit the light by chance.
     #[inline]
@@ -107,8 +110,13 @@ impl Light {
 
     /// What a pixel may be expected to hold of the light at most, but for the light itself: the largest channel of its
     /// radiance, intensity or irradiance, or of its power (in a scene of about unit size) where that is less, as it is for
-    /// a small emitter.
-    pub fn brightness(&self) -> f32 {
+    /// a small emitter. A multiple of the emission, for a scene of one shape, so that it follows emission × 2ᵏ exactly.
+    ///
+    /// `near` is the spread of what the camera is among (`scene::Prepared`): light within it is brighter by 1/`near`² than a
+    /// unit away, of which the film leaves 2²⁰ to what may be brighter than expected. And an emitter itself, which is seen
+    /// however small it is, is brighter by 2²⁷ at most.
+    pub fn brightness(&self, near: f64) -> f32 {
+        let closer = (1024.0 * near).powi(2).min(1.0).recip();
         let emitted = match self {
             Self::Area(l) => l.largest_radiance().max_element(),
             Self::Point(l) => l.intensity.max_element(),
@@ -116,7 +124,16 @@ impl Light {
             Self::Directional(l) => l.irradiance.max_element(),
             Self::Environment(l) => l.brightest(),
         };
-        emitted.min(self.power().max_element())
+        let power = f64::from(self.power().max_element());
+        let expected = match self {
+            Self::Area(_) => {
+                let emitted = f64::from(emitted);
+                emitted.min(power * closer).max(emitted * SMALLEST_SHARE)
+            }
+            Self::Point(_) | Self::Spot(_) => f64::from(emitted).min(power) * closer,
+            Self::Directional(_) | Self::Environment(_) => f64::from(emitted).min(power),
+        };
+        expected.min(f64::from(f32::MAX)) as f32
     }
 
     /// Whether emission chooses among parts of the light, so that its `u_part` is used.

@@ -8,42 +8,58 @@ use crate::math::{Ray, Vec3, distance_squared, gamma};
 pub struct DeltaPlace {
     /// The point, render space.
     pub p: Vec3,
-    /// The unit normal of the surface that it stands on, within rounding; zero where it stands free.
+    /// The unit normal, on the side of the point, of the surface beside it, if there is one within what any ray in the scene may
+    /// be off; else zero.
     pub on: Vec3,
+    /// How high above that surface the point is, along the normal, as both were rounded.
+    pub height: f32,
+    /// How high the rounding of the point's and the surface's coordinates alone may have put it.
+    pub rounding: f32,
+    /// What a ray that starts here may be off in meeting that surface, along the normal.
+    pub error: f32,
 }
+
+/// Most that the end of a segment is moved along it, over how far it has to rise from the surface beside it.
+const STEEPEST: f32 = 16.0;
 
 impl DeltaPlace {
     /// A place off all surfaces.
     pub fn free(p: Vec3) -> Self {
-        Self { p, on: Vec3::ZERO }
+        Self { p, on: Vec3::ZERO, height: 0.0, rounding: 0.0, error: 0.0 }
     }
 
-    /// How far from a surface the point may be, along the surface's normal, and stand on it: what the traversal of a short ray
-    /// may be off.
-    pub fn tolerance(&self) -> f32 {
-        reach(self.p, 0.0)
+    /// Whether it lies on the surface, within its rounding: the light shines to both sides, and on the surface not at all.
+    pub fn stands(&self) -> bool {
+        self.on != Vec3::ZERO && self.height <= self.rounding
     }
 
-    /// Where a segment of this length that leaves along the unit vector `w` starts, or ends: at the point, where it stands
-    /// free. Off a surface that it stands on, which would hide it, by what the traversal may be off, to the side of `w`; and
-    /// along `w` by the same, for another surface beside that one, in a corner. (Along `w` alone, directions within 1/1000 of a
-    /// surface would stay on it, and be lost or seen on both sides.)
+    /// Where a segment of this length that leaves along the unit vector `w` starts, or ends: at the point, where it is farther
+    /// from the surface beside it than the traversal may be off, by the surface's error and by its own, which grows with its
+    /// length. Else, beside the surface, which would hide it, at a distance that no error spans.
     #[inline]
     fn beside(&self, w: Vec3, length: f32) -> Vec3 {
         if self.on == Vec3::ZERO {
             return self.p;
         }
-        let by = reach(self.p, length);
-        // Twice: the point may itself be as far on the other side.
-        self.p + w * by + self.on * (2.0 * by).copysign(self.on.dot(w))
+        let own = gamma(16) * (self.p.abs().max_element() + length);
+        let by = self.error + own;
+        let side = self.on.dot(w);
+        if self.stands() {
+            // To the side of `w`, twice: the point may itself be as far on the other side. And along `w` by the same, for another
+            // surface beside that one, in a corner. (Along `w` alone, directions within 1/1000 of a surface would stay on it, and
+            // be lost or seen on both sides.)
+            self.p + w * by + self.on * (2.0 * by).copysign(side)
+        } else if self.height < by {
+            // On the side where it is: its light falls on the surface and not through it.
+            // Along the line itself, as far as that leads away from the surface, so that it meets the same points.
+            let rise = by - self.height;
+            let along = (rise / side.abs()).min(STEEPEST * rise);
+            let along = if side > 0.0 { along.max(own) } else { -along };
+            self.p + w * along + self.on * (rise - along * side).max(0.0)
+        } else {
+            self.p
+        }
     }
-}
-
-/// What the traversal of a segment of this length at a point may be off. Render space is about one unit large, and so are its
-/// largest triangles.
-#[inline]
-fn reach(p: Vec3, length: f32) -> f32 {
-    gamma(16) * (1.0 + p.abs().max_element() + length)
 }
 
 /// A point on a light, chosen for a light subpath or for next-event estimation, or hit.

@@ -9,7 +9,7 @@ mod ray;
 
 pub use frame::Frame;
 pub use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec4};
-pub use offset::{PointWithError, gamma, next_down, next_up, offset_origin};
+pub use offset::{PointWithError, gamma, next_down, next_up, normal_error, offset_origin, past};
 pub use ray::Ray;
 
 /// A point, direction or normal; 16-byte aligned, so that Embree may read vertex arrays of it in place.

@@ -21,10 +21,19 @@ pub struct PointWithError {
     pub error: Vec3,
 }
 
-/// The least distance an origin is moved, render space, where the whole scene is about one unit large. A plane through
-/// the origin of the coordinates along an axis is known without error, and a bound of nothing would leave the ray on it:
-/// the next float above zero is one that the processor takes for zero.
-const LEAST_OFFSET: f32 = 1.0 / (1u64 << 40) as f32;
+/// The share of a point's error that a surface along an axis is left by at least. A plane through the origin of the
+/// coordinates along an axis is known without error, and a bound of nothing would leave the ray on it: the next float above
+/// zero is subnormal, which a processor may be told to take for zero.
+const LEAST_SHARE: f32 = 1.0 / (1u32 << 20) as f32;
+
+/// The least of all, render space, for points at the origin itself: products with edges do not underflow.
+const LEAST_OFFSET: f32 = 1.0 / (1u64 << 60) as f32;
+
+/// Bound on how far from a point its surface may be along the surface's unit normal.
+#[inline]
+pub fn normal_error(point: PointWithError, ng: Vec3) -> f32 {
+    (ng.abs() + LEAST_SHARE).dot(point.error) + LEAST_OFFSET
+}
 
 /// Moves a surface point along its geometric normal to the side of `towards`, just far enough that neither the
 /// point's own error nor the traversal's lets a ray that starts there meet the surface again
@@ -33,7 +42,7 @@ const LEAST_OFFSET: f32 = 1.0 / (1u64 << 40) as f32;
 /// `ng` is a unit vector; `towards` any vector on the side to leave to.
 #[inline]
 pub fn offset_origin(point: PointWithError, ng: Vec3, towards: Vec3) -> Vec3 {
-    let distance = ng.abs().dot(point.error) + LEAST_OFFSET;
+    let distance = normal_error(point, ng);
     let n = if ng.dot(towards) < 0.0 { -ng } else { ng };
     let moved = point.p + n * distance;
     // Round each coordinate away from the surface, so that the sum's own rounding cannot undo the offset.
@@ -44,7 +53,7 @@ pub fn offset_origin(point: PointWithError, ng: Vec3, towards: Vec3) -> Vec3 {
 ///
 /// Without branches, for signs of coordinates and normals are a coin's: floats in the order of their values are
 /// consecutive integers once the magnitude bits of negative ones are inverted. From ±0 it may be the
-/// other zero: the float beyond is one that the processor takes for zero.
+/// other zero: the float beyond is subnormal.
 #[inline]
 fn round_away(x: f32, direction: f32) -> f32 {
     let ordered = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
@@ -60,6 +69,14 @@ pub fn next_up(x: f32) -> f32 {
     }
     let bits = x.to_bits();
     f32::from_bits(if x > 0.0 { bits + 1 } else { bits - 1 })
+}
+
+/// The least ray parameter beyond a hit's: the next one, and not a subnormal one. We let the processor keep subnormals, and so
+/// does Embree but while it builds; a program around us may not (flush-to-zero and denormals-are-zero, which Embree's manual
+/// recommends), and then `next_up(0)` is zero, and what is met at zero is met for ever.
+#[inline]
+pub fn past(t: f32) -> f32 {
+    next_up(t).max(f32::MIN_POSITIVE)
 }
 
 /// The next f32 below a finite `x`.
@@ -98,6 +115,16 @@ mod tests {
             assert_eq!(round_away(x, 0.3).to_bits(), next_up(x).to_bits());
             assert_eq!(round_away(x, 0.0).to_bits(), x.to_bits());
             assert_eq!(round_away(x, -0.3), if x == 0.0 { 0.0 } else { next_down(x) });
+        }
+    }
+
+    #[test]
+    fn past_a_hit_no_parameter_is_subnormal() {
+        for t in [0.0, -0.0, 1e-45, 1e-40] {
+            assert_eq!(past(t), f32::MIN_POSITIVE);
+        }
+        for t in [f32::MIN_POSITIVE, 1e-30, 1.0, 1e30] {
+            assert_eq!(past(t), next_up(t));
         }
     }
 

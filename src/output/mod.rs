@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 pub use atomic::write_atomically;
 pub use exr::{write_exr, write_exr_layers};
-pub use png::write_png;
+pub use png::{encode_png, write_png};
 pub use read::{format_of_content, read_image, read_image_and_metadata, read_layer_and_metadata};
 
 pub use crate::decode::{MAX_PIXELS, Window, layers, srgb_decode, srgb_encode};

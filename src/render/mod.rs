@@ -23,7 +23,6 @@ use crate::integrator::bdpt::Sums;
 use crate::integrator::{
     Contribution, Crop, Integrator, PixelSample, Rays, Recorder, Rejected, SampleLoop, Settings, Technique,
 };
-use crate::light::Light;
 use crate::planted::{Bug, planted};
 use crate::scene::Scene;
 
@@ -55,10 +54,10 @@ pub struct Rendered {
     pub rays: Rays,
     /// How many contributions were not finite.
     pub rejected: u64,
-    /// The first of them in order of pixel and sample.
-    pub rejected_first: Vec<Rejected>,
     /// Contributions too large for the film.
     pub overflows: u64,
+    /// The first of those that were not finite, in order of pixel and sample, then the first of those that were too large.
+    pub rejected_first: Vec<Rejected>,
     /// Whether the render was stopped before its last sample; the image is then not the job's.
     pub stopped: bool,
     /// What `auto` went by after its pilot.
@@ -242,23 +241,31 @@ struct Run<'a, A> {
 struct Totals {
     rays: Rays,
     rejected: u64,
+    overflows: u64,
     rejected_first: Vec<Rejected>,
 }
 
+/// How many rejected contributions are named, for each reason.
+const NAMED: usize = 16;
+
 impl Totals {
-    /// Keeps the first few of all rejected contributions, in order of pixel and sample.
+    /// Keeps the first few of all rejected contributions, by reason, in order of pixel and sample.
     fn keep(&mut self, more: &[Rejected]) {
         if !more.is_empty() {
             self.rejected_first.extend_from_slice(more);
-            self.rejected_first.sort_by_key(|r| ([r.pixel[1], r.pixel[0]], r.sample, r.technique));
-            self.rejected_first.truncate(16);
+            self.rejected_first.sort_by_key(|r| (r.reason, [r.pixel[1], r.pixel[0]], r.sample, r.technique));
+            let mut kept = [0; 2];
+            self.rejected_first.retain(|r| {
+                kept[r.reason as usize] += 1;
+                kept[r.reason as usize] <= NAMED
+            });
         }
     }
 }
 
 impl<'a, A: Accel> Run<'a, A> {
     fn new(scene: &'a Scene<A>, job: &'a RenderJob, progress: &'a (dyn Fn(Progress) -> bool + Sync)) -> Self {
-        let emission = scene.lights.iter().map(Light::brightness).fold(0.0, f32::max);
+        let emission = scene.brightness;
         Self {
             scene,
             job,
@@ -313,7 +320,10 @@ impl<'a, A: Accel> Run<'a, A> {
         };
         // Of 2³² tasks the image alone would be larger than memory.
         let tasks = (0..(tiles * ranges) as usize).into_par_iter().map_init(
-            || (loops(), Recorder::new(self.job.crop, self.job.pyramid.is_some()), observer()),
+            || {
+                let largest = Accumulator::largest(self.emission);
+                (loops(), Recorder::new(self.job.crop, self.job.pyramid.is_some()).within(largest), observer())
+            },
             |(integrator, recorder, observer), number| {
                 if !self.stopped.load(Ordering::Relaxed) {
                     self.run(&task(number as u64), integrator, recorder, observer);
@@ -379,6 +389,7 @@ impl<'a, A: Accel> Run<'a, A> {
             totals.rays += recorder.rays;
             let (count, first) = recorder.rejected();
             totals.rejected += count;
+            totals.overflows += recorder.overflows();
             totals.keep(first);
         }
         let seconds = self.start.elapsed().as_secs_f64();
@@ -397,7 +408,7 @@ impl<'a, A: Accel> Run<'a, A> {
             rays: totals.rays,
             rejected: totals.rejected,
             rejected_first: totals.rejected_first,
-            overflows: self.film.overflows(),
+            overflows: totals.overflows + self.film.overflows(),
             stopped: self.stopped.load(Ordering::Relaxed),
             plan: None,
         }

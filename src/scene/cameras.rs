@@ -5,12 +5,13 @@ use crate::camera::{Camera, Filter, ThinLens};
 use crate::geometry::Geometry;
 use crate::math::{DAffine3, DMat3, DVec3};
 
-/// The camera in render space.
-pub(super) fn camera(desc: &CameraDesc, to_render: &DAffine3) -> Result<Camera, SceneError> {
+/// The camera in render space; `near` is the spread of what it is among.
+pub(super) fn camera(desc: &CameraDesc, to_render: &DAffine3, near: f64) -> Result<Camera, SceneError> {
     let [width, height] = desc.resolution;
     let m = to_render.matrix3;
     let [sx, sy, sz] = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length);
-    // The scene is about as large as 1: lengths far from it are mistakes, and leave f32.
+    // The scene is about as large as 1, and what is near about as `near`: lengths far from both are mistakes, and leave f32.
+    let least = (1024.0 * near).min(1.0) / LARGEST_LENGTH;
     let fits = |what: &str, size: f64, scale: f64, least: f64| {
         let scaled = size * scale;
         if (least..=LARGEST_LENGTH).contains(&scaled) {
@@ -26,13 +27,13 @@ pub(super) fn camera(desc: &CameraDesc, to_render: &DAffine3) -> Result<Camera, 
     let camera = match desc.projection {
         Projection::Perspective { vfov, aperture: 0.0, .. } => Camera::pinhole(to_render, vfov, width, height),
         Projection::Perspective { vfov, fdist, aperture } => {
-            fits("fdist", fdist, sz, 1.0 / LARGEST_LENGTH)?;
+            fits("fdist", fdist, sz, least)?;
             fits("aperture", aperture, sx.max(sy), 0.0)?;
             Camera::thin_lens(to_render, vfov, ThinLens { radius: aperture, focus: fdist }, width, height)
         }
         Projection::Orthographic { height: film } => {
-            fits("height", film, sy, 1.0 / LARGEST_LENGTH)?;
-            fits("width", film * f64::from(width) / f64::from(height), sx, 1.0 / LARGEST_LENGTH)?;
+            fits("height", film, sy, least)?;
+            fits("width", film * f64::from(width) / f64::from(height), sx, least)?;
             Camera::orthographic(to_render, film, width, height)
         }
     };

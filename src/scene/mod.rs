@@ -9,6 +9,8 @@ mod material;
 mod memory;
 mod needs;
 mod prepare;
+mod space;
+mod standing;
 mod textures;
 
 pub use detail::Details;
@@ -22,8 +24,8 @@ use crate::accel::{Accel, AccelError, AccelOptions};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::geometry::{Geometry, GeometryKind, Hit, SurfacePoint};
-use crate::light::{DeltaPlace, Light, LightChoice, LightPoint, Receiver};
-use crate::math::{Ray, Vec3, next_up};
+use crate::light::{Light, LightChoice, LightPoint, Receiver};
+use crate::math::{Ray, Vec3, past};
 use crate::pdf::LightPointPdf;
 use crate::planted::{Bug, planted};
 use crate::sampling::Coins;
@@ -56,6 +58,8 @@ pub struct Scene<A> {
     pub environments: Vec<u32>,
     /// Chooses among the lights; `None` in a dark scene.
     pub light_choice: Option<LightChoice>,
+    /// What the brightest light may throw on a surface (`Light::brightness`): the film's quantum follows it.
+    pub brightness: f32,
     /// The camera.
     pub camera: Camera,
     /// What the scene's content makes unnecessary.
@@ -89,43 +93,23 @@ pub enum Reached<'a> {
     },
 }
 
-/// The unit normal of a surface that a delta light stands on; zero where it stands on none. Of several, one.
-fn surface_below<A: Accel>(accel: &A, geometry: &Geometry, place: &DeltaPlace) -> Vec3 {
-    let tolerance = place.tolerance();
-    // No plane is missed by all three: one of them comes to within a factor of √3 of its normal.
-    let found = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().find_map(|axis| {
-        let reach = axis * (4.0 * tolerance);
-        let mut ray = Ray::segment(place.p - reach, place.p + reach);
-        // Others may lie before it.
-        for _ in 0..8 {
-            let hit = accel.intersect(&ray)?;
-            let at = geometry.surface_point(&ray, &hit);
-            if at.ng.dot(at.p() - place.p).abs() <= tolerance {
-                return Some(at.ng);
-            }
-            ray.tmin = next_up(hit.t);
-        }
-        None
-    });
-    found.unwrap_or(Vec3::ZERO)
-}
-
 impl<A: Accel> Scene<A> {
     /// Builds the acceleration structure over a prepared scene.
     ///
     /// # Errors
     /// When the accelerator cannot be built.
     pub fn build(prepared: Prepared, options: AccelOptions) -> Result<Self, AccelError> {
-        let Prepared { geometry, surfaces, details, mut lights, camera, needs, .. } = prepared;
+        let Prepared { geometry, surfaces, details, mut lights, camera, needs, near, .. } = prepared;
         let geometry = Arc::new(geometry);
         let accel = A::build(Arc::clone(&geometry), options)?;
         for place in lights.iter_mut().filter_map(Light::place_mut) {
-            place.on = surface_below(&accel, &geometry, place);
+            standing::settle(&accel, &geometry, place);
         }
         let light_choice = LightChoice::new(&lights, &geometry);
+        let brightness = lights.iter().map(|light| light.brightness(near)).fold(0.0, f32::max);
         let is_environment = |l: &Light| l.is_infinite() && !l.is_delta();
         let environments = (0..).zip(&lights).filter(|(_, l)| is_environment(l)).map(|(i, _)| i).collect();
-        Ok(Self { geometry, accel, surfaces, details, lights, environments, light_choice, camera, needs })
+        Ok(Self { geometry, accel, surfaces, details, lights, environments, light_choice, brightness, camera, needs })
     }
 
     /// Density with which next-event estimation at `receiver` chooses this point of light `id`, the choice of the light
@@ -205,6 +189,11 @@ impl<A: Accel> Scene<A> {
         if self.needs.opacity { self.transmittance(*ray, rays) } else { 1.0 }
     }
 
+    /// The surface nearest along a segment, for replays.
+    pub fn blocker(&self, ray: &Ray) -> Option<u32> {
+        self.accel.intersect(ray).map(|hit| self.geometry.surface_of(&hit))
+    }
+
     /// The product of 1 − opacity over the surfaces along a ray that nothing opaque blocks: the probability with which
     /// `follow` passes them.
     #[inline(never)]
@@ -245,5 +234,5 @@ fn beyond(ray: &Ray, hit: &Hit, at: &SurfacePoint) -> Ray {
     if (next - ray.at(ray.tmin)).dot(ray.d) > 0.0 {
         return Ray::new(next, ray.d);
     }
-    Ray { tmin: next_up(hit.t), tmax: f32::INFINITY, ..*ray }
+    Ray { tmin: past(hit.t), tmax: f32::INFINITY, ..*ray }
 }

@@ -1,7 +1,7 @@
 //! From a scene as written to one that can be rendered: everything is brought into *render space*.
 //!
-//! Render space is the world recentred on the scene's bounds and scaled by a power of two so that the bounds' largest
-//! half extent lies in [½, 1). Both are exact in what matters: a scene written at 2ᵏ times the size prepares to the
+//! Render space is the world recentred (`space`) and scaled by a power of two so that the largest coordinate lies in
+//! [½, 1). Both are exact in what matters: a scene written at 2ᵏ times the size prepares to the
 //! same bits. Radiance does not change with scale; radiant intensity does, with its square (E = I/r²).
 
 use std::ops::Range;
@@ -13,7 +13,8 @@ use super::desc::{
 };
 use super::duplicates::{ShiningTriangles, duplicate_emitters};
 use super::material::rgb;
-use super::{Details, SceneNeeds, Surface, flat, textures};
+use super::space::{Space, space};
+use super::{Details, SceneNeeds, Surface, flat, standing, textures};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::geometry::{DeltaPoint, Geometry, Quadric, QuadricKind, exact_normal, is_sliver, triangle_area};
@@ -43,6 +44,8 @@ pub struct Prepared {
     pub center: DVec3,
     /// A power of two.
     pub scale: f64,
+    /// The spread of what the camera is among, render units: of order 1, but where the scene has something far away.
+    pub near: f64,
     /// What the user should know.
     pub warnings: Vec<Warning>,
 }
@@ -56,7 +59,7 @@ pub type Warning = Diagnostic;
 /// When the camera's transform shears or its sizes do not suit the scene's, a transform carries a vertex out of range, or a light's power does not fit an f32.
 pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     let mut errors = Vec::new();
-    let (center, scale) = normalization(desc, &mut errors);
+    let Space { center, scale, near } = space(desc, &mut errors);
     let to_render = DAffine3::from_scale(DVec3::splat(scale)) * DAffine3::from_translation(-center);
 
     let camera_to_render = to_render * desc.camera.transform;
@@ -72,21 +75,24 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     if !errors.is_empty() {
         return Err(SceneError { diagnostics: errors });
     }
-    let camera = camera(&desc.camera, &camera_to_render)?;
+    let camera = camera(&desc.camera, &camera_to_render, near)?;
 
     let world = ToWorld { factor: 1.0 / scale, offset: center };
     let details = Details::new(textures::build(&desc.textures, world), desc.materials.iter().map(|m| &m.kind), scale);
     let maps = desc.surfaces.iter().any(|s| s.finish.normal_map.is_some() || s.finish.bump_map.is_some());
     let geometry = Geometry { wants_uv: maps || details.want_uv(), ..Geometry::default() };
-    let mut builder = Builder { to_render, scale, geometry, details, ..Builder::default() };
-    for (surface, duplicate) in desc.surfaces.iter().zip(duplicate_emitters(desc)) {
+    let mut builder = Builder { to_render, scale, center, geometry, details, ..Builder::default() };
+    let is_black = |texture: usize| builder.details.texture(texture).largest() == Rgb::ZERO;
+    let duplicates = duplicate_emitters(desc, is_black);
+    builder.shining = ShiningTriangles::beside(desc, &duplicates, &to_render, is_black);
+    for (surface, duplicate) in desc.surfaces.iter().zip(duplicates) {
         if duplicate { builder.pass_over(surface) } else { builder.add(desc, surface) }
     }
     let ball = ball(&builder.geometry);
     for light in &desc.infinite_lights {
         builder.add_infinite(light, ball);
     }
-    let Builder { mut geometry, surfaces, models, details, lights, mut warnings, errors, .. } = builder;
+    let Builder { mut geometry, surfaces, models, details, lights, delta_lights, mut warnings, errors, .. } = builder;
     if !errors.is_empty() {
         return Err(SceneError { diagnostics: errors });
     }
@@ -99,6 +105,19 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     for point in &mut geometry.delta_points {
         *point = DeltaPoint::new(point.position, reach);
     }
+    let doubt = |light: usize, surface: u32, height: f32, error: f32| {
+        let surface =
+            desc.surfaces.iter().filter(|s| !matches!(s.shape, ShapeDesc::DeltaPoint)).nth(surface as usize)?;
+        let at = delta_lights.iter().find(|(index, _)| *index == light)?.1.clone();
+        let [height, error] = [height, error].map(|x| f64::from(x) / scale);
+        let message = format!(
+            "light {light} is taken as standing on the surface {}: it is {height:.2} above it, and rays know so large a surface \
+             to ±{error:.2} only; what else lies within that of the light may be lit wrongly; make the surface smaller",
+            surface.at
+        );
+        Some(Diagnostic { at, message })
+    };
+    warnings.extend(standing::doubts(&geometry, &lights, camera_to_render.translation.as_vec3a(), doubt));
     if lights.is_empty() {
         warnings.push(Diagnostic {
             at: desc.camera.at.clone(),
@@ -107,62 +126,13 @@ pub fn prepare(desc: &SceneDesc) -> Result<Prepared, SceneError> {
     }
     let opacity = !geometry.cut_outs.is_empty();
     let needs = SceneNeeds { opacity, ..SceneNeeds::of(&models, &lights) };
-    Ok(Prepared { geometry, surfaces, details, lights, camera, needs, center, scale, warnings })
+    Ok(Prepared { geometry, surfaces, details, lights, camera, needs, center, scale, near, warnings })
 }
 
 /// The material of each prepared surface, as an index into the scene's materials: delta points are not among them.
 pub fn surface_materials(desc: &SceneDesc) -> Vec<u32> {
     let solid = desc.surfaces.iter().filter(|s| !matches!(s.shape, ShapeDesc::DeltaPoint));
     solid.map(|s| s.material as u32).collect()
-}
-
-/// Centre of the scene's bounds and the power of two that brings their largest half extent into [½, 1).
-fn normalization(desc: &SceneDesc, errors: &mut Vec<Diagnostic>) -> (DVec3, f64) {
-    let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let mut grow = |surface: &SurfaceDesc, p: DVec3| {
-        let p = surface.transform.transform_point3(p);
-        // Beyond this, squares of distances leave f32 even after scaling.
-        if !p.is_finite() || p.abs().max_element() >= 1e30 {
-            if errors.last().is_none_or(|e: &Diagnostic| e.at != surface.at) {
-                errors.push(Diagnostic {
-                    at: surface.at.clone(),
-                    message: format!("the transform carries a point to {p}: coordinates must stay below 1e30"),
-                });
-            }
-            return;
-        }
-        lo = lo.min(p);
-        hi = hi.max(p);
-    };
-    for surface in &desc.surfaces {
-        match &surface.shape {
-            ShapeDesc::Quad { size: [w, h] } => {
-                for (x, y) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)] {
-                    grow(surface, DVec3::new(x * w, y * h, 0.0));
-                }
-            }
-            ShapeDesc::Sphere { radius } | ShapeDesc::Disk { radius } => {
-                for axis in DVec3::AXES {
-                    grow(surface, axis * *radius);
-                    grow(surface, axis * -*radius);
-                }
-            }
-            ShapeDesc::Mesh(mesh) => {
-                for p in &mesh.positions {
-                    grow(surface, DVec3::from(p.map(f64::from)));
-                }
-            }
-            ShapeDesc::DeltaPoint => grow(surface, DVec3::ZERO),
-        }
-    }
-    if lo.x > hi.x {
-        return (desc.camera.transform.translation, 1.0);
-    }
-    let half = (0.5 * (hi - lo)).max_element();
-    // A scene of one point takes its scale from the camera's distance to it.
-    let half = if half > 0.0 { half } else { (desc.camera.transform.translation - lo).length() };
-    let scale = if half > 0.0 { (-(half.log2().floor() as i32) - 1) as f64 } else { 0.0 };
-    (0.5 * (lo + hi), scale.exp2())
 }
 
 /// Texture coordinates of a quad's corners.
@@ -172,12 +142,15 @@ const QUAD_UVS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
 struct Builder {
     to_render: DAffine3,
     scale: f64,
+    center: DVec3,
     geometry: Geometry,
     surfaces: Vec<Surface>,
     /// Every model that some surface may turn out to be of, each as a surface of its own.
     models: Vec<Surface>,
     details: Details,
     lights: Vec<Light>,
+    /// Point and spot lights by index, with their places in the file.
+    delta_lights: Vec<(usize, Place)>,
     shining: ShiningTriangles,
     warnings: Vec<Warning>,
     errors: Vec<Diagnostic>,
@@ -188,11 +161,13 @@ impl Default for Builder {
         Self {
             to_render: DAffine3::IDENTITY,
             scale: 1.0,
+            center: DVec3::ZERO,
             geometry: Geometry::default(),
             surfaces: Vec::new(),
             models: Vec::new(),
             details: Details::default(),
             lights: Vec::new(),
+            delta_lights: Vec::new(),
             shining: ShiningTriangles::default(),
             warnings: Vec::new(),
             errors: Vec::new(),
@@ -277,7 +252,7 @@ impl Builder {
 
     /// Leaves out an emitter that is there already; its number stays taken.
     fn pass_over(&mut self, surface: &SurfaceDesc) {
-        self.warn(surface, "this light is exactly where an earlier one is: it is left out".into());
+        self.warn(surface, "this light is exactly where another one is: it is left out".into());
         self.surfaces.push(Surface { bsdf: Bsdf::Black, light: None, detail: None });
     }
 
@@ -305,15 +280,10 @@ impl Builder {
         if !uses(self, &by_position) {
             return;
         }
-        let error = flat::error(self.scale);
-        for (axis, place) in flat::planes(surface, error) {
+        let (error, planes) = flat::planes(surface, self.center);
+        for (axis, place) in planes {
             if uses(self, &|t| t.is_even_in_plane(axis, place, error)) {
-                let axis = ["x", "y", "z"][axis];
-                let message = format!(
-                    "the surface lies in the plane {axis} = {}, where a sine of its checker is zero: all of it is \"even\"; \
-                     move it along {axis}, by half a cell (π/2 over the checker's scale) say",
-                    place + 0.0 // −0 is 0.
-                );
+                let message = flat::advice(axis, place, uses(self, &|t| t.is_even_across(axis)));
                 self.warn(surface, message);
             }
         }
@@ -469,6 +439,7 @@ impl Builder {
         if !power.is_finite() {
             self.errors.push(too_bright(&surface.at));
         } else if power.max_element() > 0.0 {
+            self.delta_lights.push((self.lights.len(), surface.at.clone()));
             self.lights.push(light);
         } else {
             self.warn(surface, "the light emits no power: it is left out".into());

@@ -25,8 +25,6 @@ pub enum Expected {
     Mean(f64),
     /// Black.
     Nothing,
-    /// Anything finite.
-    Finite,
 }
 
 /// A scene that is hard on numbers.
@@ -50,11 +48,15 @@ pub struct Case {
     pub roulette: bool,
     /// Bound on the relative difference of the energy.
     pub bound: f64,
+    /// How far the energies do differ, relatively, and why: what is compared is not quite the same.
+    pub apart: Option<(f64, &'static str)>,
     /// Samples, in multiples of the usual number.
     pub effort: u32,
 }
 
 impl Case {
+    /// Where no camera path finds the light.
+    pub const FROM_LIGHT: &[Integrator] = &[Integrator::Light, Integrator::Bdpt];
     /// All integrators, few bounces.
     pub const ALL: &[Integrator] = &[Integrator::Path, Integrator::Light, Integrator::Bdpt];
     /// Where light tracing cannot see what the camera does.
@@ -72,6 +74,7 @@ impl Case {
             bounces: 6,
             roulette: true,
             bound: 0.01,
+            apart: None,
             effort: 1,
         }
     }
@@ -92,6 +95,18 @@ impl Case {
     #[must_use]
     pub fn samples(self, effort: u32) -> Self {
         Self { effort, ..self }
+    }
+
+    /// With energies that do differ, by up to this.
+    #[must_use]
+    pub fn apart(self, by: f64, why: &'static str) -> Self {
+        Self { apart: Some((by, why)), ..self }
+    }
+
+    /// By light tracing alone.
+    #[must_use]
+    pub fn by_light(self) -> Self {
+        Self { integrators: &[Integrator::Light], ..self }
     }
 
     /// By path tracing and `bdpt` alone.

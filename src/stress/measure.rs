@@ -94,10 +94,17 @@ pub const WEIGHTS: f64 = 1e-4;
 
 /// How far a weight may be off by itself, where that is more than 10⁻⁴: over what rounding the path's points does to its
 /// densities, which the power heuristic squares.
-const WEIGHT: f64 = 3.0;
+const WEIGHT: f64 = 2.0;
 
 /// However badly conditioned a path is.
 const WEIGHT_AT_MOST: f64 = 0.1;
+
+/// How far a contribution with the weight 1 may be off, where that is more than 10⁻⁵, and what techniques measure of one path,
+/// where that is more than 10⁻⁴: over the same.
+const CONTRIBUTION: f64 = 1.0;
+
+/// Characters of a fault's text: the path itself is longer than a table's row.
+const FAULT: usize = 160;
 
 /// Judges the weights of `bdpt` on `paths` random paths by their densities multiplied out.
 pub fn weights<A: Accel>(scene: &Scene<A>, settings: Settings, paths: u32) -> Seen {
@@ -105,7 +112,8 @@ pub fn weights<A: Accel>(scene: &Scene<A>, settings: Settings, paths: u32) -> Se
     (0..paths).into_par_iter().map(|index| Seen::path(&judge, index)).reduce(Seen::default, Seen::merge)
 }
 
-/// What is wrong with the weights, whose sums may be `sum` from 1; empty when nothing is.
+/// What is wrong with paths' weights, whose sums may be `sum` from 1, with their contributions and with what their techniques
+/// measure; empty when nothing is.
 pub fn faults_of_weights(seen: &Seen, sum: f64) -> Vec<String> {
     let mut faults = Vec::new();
     // A NaN is a fault.
@@ -115,8 +123,18 @@ pub fn faults_of_weights(seen: &Seen, sum: f64) -> Vec<String> {
             "Σw − 1 up to {off:.1e}, a weight off by {weight:.1e}, {over:.1} times what rounding explains"
         ));
     }
-    if let Some(fault) = seen.failure.as_ref().filter(|f| f.starts_with("the choice") || f.starts_with("densities")) {
-        faults.push(fault.chars().take(100).collect());
+    let (worst, over) = (seen.worst_contribution, seen.worst_contribution_over_condition);
+    if over.is_nan() || over > CONTRIBUTION {
+        faults.push(format!("a contribution off by {worst:.1e}, {over:.1} times what rounding explains"));
+    }
+    let over = seen.worst_identity_over_condition;
+    if over.is_nan() || over > CONTRIBUTION {
+        faults.push(format!("techniques measure differently, by {over:.1} times what rounding explains"));
+    }
+    if let Some(first) = &seen.structural.first {
+        let first: String = first.to_string().chars().take(FAULT).collect();
+        faults
+            .push(format!("{} paths have faults that no rounding explains, the first: {first}", seen.structural.count));
     }
     faults
 }

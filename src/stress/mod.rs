@@ -8,17 +8,19 @@ mod case;
 mod cases;
 mod measure;
 mod precision;
+mod quantiles;
 mod report;
 
 pub use case::{Case, Expected};
 pub use cases::cases;
 pub use measure::{Audit, Measured, Run, WEIGHTS, audit, faults_of_weights, measure, weights};
-pub use precision::{Precision, precision};
-pub use report::{HEADING, Report, Row};
+pub use precision::{Precision, bytes_per_sample, precision};
+pub use report::{HEADING, LEGEND, Report, Row};
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use serde_json::Value;
 
@@ -116,7 +118,6 @@ fn compare<A: Accel>(case: &Case, integrator: Integrator, effort: u32, renders: 
         row.faults.push(format!("{} contributions were not finite: {}", measured.rejected, measured.first));
     }
     match &case.expected {
-        Expected::Finite => {}
         Expected::Nothing => {
             if measured.runs.iter().any(|run| run.mean != 0.0) {
                 row.faults.push("light where there is none".to_owned());
@@ -124,14 +125,14 @@ fn compare<A: Accel>(case: &Case, integrator: Integrator, effort: u32, renders: 
         }
         Expected::Mean(expected) => {
             let differences = measured.runs.iter().map(|run| run.mean - expected).collect();
-            row.judge(*expected, &differences, case.bound);
+            row.judge(*expected, &differences, case);
         }
         Expected::SameAs { scene, times } | Expected::SameBits { scene, times } => match side(scene) {
             Err(message) => row.faults.push(format!("the undisturbed scene: {message}")),
             Ok(plain) => {
                 let pairs = measured.runs.iter().zip(&plain.runs);
                 let differences = pairs.map(|(a, b)| a.mean - times * b.mean).collect();
-                row.judge(times * plain.moments().mean(), &differences, case.bound);
+                row.judge(times * plain.moments().mean(), &differences, case);
                 let exact = matches!(case.expected, Expected::SameBits { .. });
                 if exact && !measured.is_times(&plain, *times) {
                     row.faults.push("not the same bits".to_owned());
@@ -155,7 +156,7 @@ impl Row {
     }
 
     /// Judges the differences of renders with equal seeds from what is expected.
-    fn judge(&mut self, expected: f64, differences: &Moments, bound: f64) {
+    fn judge(&mut self, expected: f64, differences: &Moments, case: &Case) {
         self.expected = Some(expected);
         if expected == 0.0 {
             self.faults.push("nothing is seen of the undisturbed scene".to_owned());
@@ -169,15 +170,15 @@ impl Row {
             Interval { low: mean, high: mean }
         };
         self.energy = Some(interval);
-        if !interval.within(bound) {
-            self.faults.push(format!("energy is not proven within ±{} %", 100.0 * bound));
+        if !interval.within(case.bound) {
+            self.faults.push(format!("energy is not proven within ±{} %", 100.0 * case.bound));
         }
-        let excess = (mean.abs() - ROUNDING).max(0.0);
+        let allowed = case.apart.map_or(ROUNDING, |(by, _)| by);
+        let excess = (mean.abs() - allowed).max(0.0);
         let dof = differences.count() as f64 - 1.0;
         let p = if error > 0.0 { student_t_two_sided(excess / error, dof) } else { f64::from(u8::from(excess == 0.0)) };
-        // Within the bound a difference may be real, where the case says so.
-        if p.is_nan() || (p < ALPHA && excess > 0.2 * bound) {
-            self.faults.push(format!("energy differs, p = {p:.1e}"));
+        if p.is_nan() || p < ALPHA {
+            self.faults.push(format!("energy differs by {mean:+.1e}, p = {p:.1e}"));
         }
     }
 }
@@ -192,10 +193,33 @@ fn build<A: Accel>(scene: &Value) -> Result<Scene<A>, String> {
     .and_then(|built| built)
 }
 
+/// How much of such work is going on.
+static GUARDED: AtomicU32 = AtomicU32::new(0);
+
+/// Whether a case is being worked on, on whatever thread: a panic is a row's verdict then, and a panic hook has nothing to say.
+pub fn is_guarded() -> bool {
+    GUARDED.load(Ordering::SeqCst) > 0
+}
+
 /// A panic is a finding like others.
 fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+    GUARDED.fetch_add(1, Ordering::SeqCst);
+    let result = catch_unwind(AssertUnwindSafe(work));
+    GUARDED.fetch_sub(1, Ordering::SeqCst);
+    result.map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         format!("panics: {}", text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("without a word"))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_a_verdict_and_nothing_else_is_silent() {
+        assert_eq!(guarded(is_guarded), Ok(true));
+        let verdict = guarded(|| -> u32 { std::panic::panic_any("planted") });
+        assert_eq!(verdict, Err("panics: planted".to_owned()));
+    }
 }

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::Case;
 use super::measure::Audit;
+use super::{Case, Expected};
 use crate::compare::stats::Interval;
 use crate::integrator::Integrator;
 
@@ -20,6 +20,8 @@ pub struct Row {
     pub integrator: &'static str,
     /// Name of the accelerator.
     pub accelerator: &'static str,
+    /// What the image is judged by.
+    pub judged: String,
     /// Mean radiance.
     pub mean: f64,
     /// What it should be.
@@ -52,6 +54,7 @@ impl Row {
                 Integrator::Auto => "auto",
             },
             accelerator,
+            judged: judged(case),
             mean: f64::NAN,
             expected: None,
             energy: None,
@@ -88,12 +91,13 @@ impl Row {
     }
 
     /// The columns of the pages' tables.
-    fn cells(&self) -> [String; 10] {
+    fn cells(&self) -> [String; 11] {
         [
             self.case.clone(),
             self.what.to_owned(),
             self.integrator.to_owned(),
             self.accelerator.to_owned(),
+            self.judged.clone(),
             self.energy_text(),
             self.rejected.to_string(),
             self.self_hits.to_string(),
@@ -106,10 +110,11 @@ impl Row {
     /// A line of the table.
     pub fn line(&self) -> String {
         format!(
-            "{:<26} {:<6} {:<7} {:>22} {:>4} {:>4} {:>4} {:>8}  {}",
+            "{:<26} {:<6} {:<7} {:<11} {:>22} {:>4} {:>4} {:>4} {:>8}  {}",
             self.case,
             self.integrator,
             self.accelerator,
+            self.judged,
             self.energy_text(),
             self.rejected,
             self.self_hits,
@@ -122,7 +127,25 @@ impl Row {
 
 /// The heading of the table.
 pub const HEADING: &str =
-    "case                       by     on                      energy  n/f self leak     Σw−1  verdict";
+    "case                       by     on      judged by                   energy  n/f self leak     Σw−1  verdict";
+
+/// What a case's image is judged by, in a few letters.
+fn judged(case: &Case) -> String {
+    let apart = case.apart.map_or_else(String::new, |(by, _)| format!(" {:+.2}", 100.0 * by));
+    let percent = format!("±{} %{apart}", 100.0 * case.bound);
+    match &case.expected {
+        Expected::SameAs { .. } | Expected::Mean(_) => percent,
+        Expected::SameBits { .. } => "same bits".to_owned(),
+        Expected::Nothing => "black".to_owned(),
+    }
+}
+
+/// What the verdict `ok` means.
+pub const LEGEND: &str = "\
+ok: no contribution is not finite, no ray meets the primitive it left or leaves a closed room, the weights of bdpt's paths sum
+to 1 within 1e-4, and the image is what it is judged by: ±x %, the 99 % interval of its energy, relative to what is expected,
+lies within x % and no test finds a difference (+y: what is compared differs by y % by itself, for the reason that the case
+gives); same bits, every pixel is the undisturbed scene's times a power of two; black, nothing is seen.";
 
 /// All rows.
 #[derive(Clone, Debug)]
@@ -145,6 +168,7 @@ impl Report {
                 "what": row.what,
                 "integrator": row.integrator,
                 "accelerator": row.accelerator,
+                "judged_by": row.judged,
                 "mean": row.mean,
                 "expected": row.expected,
                 "energy_low": row.energy.map(|e| e.low),
@@ -161,16 +185,17 @@ impl Report {
     }
 
     /// The report as a page of the documents.
-    pub fn markdown(&self) -> String {
-        let mut out = String::from(
-            "# Stress\n\nMade by `twinlight stress --full -o docs/STRESS.md`; not to be edited. Each case is a scene at the edge of \
+    /// `command` is what it was made by.
+    pub fn markdown(&self, command: &str) -> String {
+        let mut out = format!(
+            "# Stress\n\nMade by `{command}`; not to be edited. Each case is a scene at the edge of \
              what numbers can\nhold, with what it must look like; its energy is compared over 16 seeds. *Not finite* counts \
              contributions before the\nfilm's gate, *self-hits* rays that met the primitive they left, *leaks* rays that left a \
-             closed room, *Σw − 1*\nhow far the weights of 20 000 random paths are from summing to one at the worst.\n\n",
+             closed room, *Σw − 1*\nhow far the weights of 20 000 random paths are from summing to one at the worst.\n\n{LEGEND}\n\n",
         );
         let _ = writeln!(out, "{} rows, {} not as they must be.\n", self.rows.len(), self.failures());
-        out.push_str("| case | what | by | on | energy, 99 % | not finite | self-hits | leaks | Σw − 1 | verdict |\n");
-        out.push_str("|---|---|---|---|---|---|---|---|---|---|\n");
+        out.push_str("| case | what | by | on | judged by | energy, 99 % | not finite | self-hits | leaks | Σw − 1 | verdict |\n");
+        out.push_str("|---|---|---|---|---|---|---|---|---|---|---|\n");
         for row in &self.rows {
             let _ = writeln!(out, "| {} |", row.cells().join(" | "));
         }
@@ -186,9 +211,15 @@ impl Report {
             "tr.bad { background: #fcc }\n</style>\n<h1>Stress</h1>\n",
         ));
         // Writing to a String cannot fail.
-        let _ = writeln!(out, "<p>{} rows, {} not as they must be.</p>", self.rows.len(), self.failures());
+        let _ = writeln!(
+            out,
+            "<p>{} rows, {} not as they must be.</p>\n<p>{}</p>",
+            self.rows.len(),
+            self.failures(),
+            escaped(LEGEND)
+        );
         out.push_str(
-            "<table>\n<tr><th>case<th>what<th>by<th>on<th>energy, 99 %<th>not finite<th>self-hits<th>leaks<th>Σw − 1<th>verdict\n",
+            "<table>\n<tr><th>case<th>what<th>by<th>on<th>judged by<th>energy, 99 %<th>not finite<th>self-hits<th>leaks<th>Σw − 1<th>verdict\n",
         );
         for row in &self.rows {
             let class = if row.faults.is_empty() { "" } else { " class=\"bad\"" };

@@ -169,6 +169,16 @@ impl Texture {
         }
     }
 
+    /// Whether a checker in it does not vary along an axis of the world, for its scale there is zero: it is "even" in every
+    /// plane across.
+    pub fn is_even_across(&self, axis: usize) -> bool {
+        match self {
+            Self::Constant(_) | Self::Image(_) => false,
+            Self::Checker(c) => c.scale[axis] == 0.0 || c.even.is_even_across(axis) || c.odd.is_even_across(axis),
+            Self::Marble(m) => m.base.is_even_across(axis) || m.veins.is_even_across(axis),
+        }
+    }
+
     /// Steps in u and v over which differences stand for derivatives: half a texel of the finest image below, else a
     /// thousandth of the unit square.
     pub fn step(&self) -> [f32; 2] {

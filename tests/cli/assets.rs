@@ -163,6 +163,20 @@ pub const MESH_FILES: &[Asset] = &[
         ..ASSET
     },
     Asset {
+        what: "OBJ: triangles without area",
+        name: "a.obj",
+        content: Content::Text("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 3 2 1\n"),
+        message: ": none of the mesh's 2 triangles has an area: the corners of each are on one line",
+        ..ASSET
+    },
+    Asset {
+        what: "OBJ: a position out of range",
+        name: "a.obj",
+        content: Content::Text("v 0 0 0\nv 1e39 0 0\nv 0 1 0\nf 1 2 3\n"),
+        message: ":2:3: x 1e39 is out of range; allowed: -3.4e38 to 3.4e38 (32-bit floats)",
+        ..ASSET
+    },
+    Asset {
         what: "OBJ: an empty file",
         name: "a.obj",
         content: Content::Text(""),
@@ -173,7 +187,7 @@ pub const MESH_FILES: &[Asset] = &[
         what: "OBJ: another format",
         name: "a.obj",
         content: Content::Text("solid cube\n"),
-        message: ":1:1: unknown statement `solid`; allowed: v, vt, vn, f, g, o, s, usemtl, mtllib",
+        message: ":1:1: unknown statement `solid`; allowed: v, vt, vn, f, l, p, g, o, s, usemtl, mtllib",
         ..ASSET
     },
     Asset {

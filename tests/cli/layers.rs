@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use exr::prelude::{SpecificChannels, WritableImage as _};
+use exr::prelude::{SpecificChannels, Vec2, WritableImage as _};
 
 use super::Folder;
 
@@ -111,4 +111,33 @@ fn a_layer_that_is_not_there_is_told_with_those_that_are() {
     }
     folder.ok(&["convert", "uv.exr", "red_green.exr", "--layer", "uv"]);
     assert_eq!(folder.image("red_green.exr").rgb, [[0.25, 0.5, 0.0]; 2]);
+}
+
+#[test]
+fn names_in_a_file_do_not_steer_the_terminal() {
+    let folder = Folder::with_room("layers_steering");
+    let pixels = |Vec2(_, _): Vec2<usize>| (0.5_f32, 0.5_f32, 0.5_f32, 1.0_f32);
+    let names = SpecificChannels::build().with_channel("R").with_channel("G").with_channel("B");
+    let channels = names.with_channel("a\x1b[2J\x07.Z").with_pixel_fn(pixels);
+    let mut bytes = Cursor::new(Vec::new());
+    exr::prelude::Image::from_channels((2, 2), channels).write().to_buffered(&mut bytes).unwrap();
+    folder.write("odd.exr", bytes.into_inner());
+    let told = folder.ok(&["convert", "odd.exr", "picture.exr"]).stderr;
+    assert!(told.contains("the layers a\\u{1b}[2J\\u{7} are left out"), "{told:?}");
+    let refused = folder.run(&["convert", "odd.exr", "picture.exr", "--layer", "b"]).stderr;
+    assert!(refused.contains("there are: a\\u{1b}[2J\\u{7}"), "{refused:?}");
+    for text in [told, refused] {
+        assert!(!text.contains(|c: char| c.is_control() && c != '\n'), "{text:?}");
+    }
+}
+
+#[test]
+fn a_channel_that_is_all_of_a_layer_stands_for_it() {
+    let folder = Folder::with_room("layers_by_channel");
+    folder.ok(&["render", "room.json", "-q", "-o", "all.exr", "--aovs", "depth,normal"]);
+    folder.ok(&["convert", "all.exr", "by_layer.exr", "--layer", "depth"]);
+    folder.ok(&["convert", "all.exr", "by_channel.exr", "--layer", "depth.Z"]);
+    assert_eq!(folder.image("by_layer.exr"), folder.image("by_channel.exr"));
+    let refused = folder.run(&["convert", "all.exr", "x.exr", "--layer", "normal.Z"]);
+    assert_eq!(refused.status, Some(65));
 }

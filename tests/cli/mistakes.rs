@@ -4,7 +4,7 @@
 //! In a scene `«` marks the place that the message must name (it is taken out before reading), so that line and column
 //! are checked without counting. A place is the file, line, column and JSON pointer.
 
-use super::mistakes_in_parts::{LIGHTS, MATERIALS, MESHES, SURFACES};
+use super::mistakes_in_parts::{LIGHTS, MATERIALS, MESHES, SURFACES, TRANSFORMS};
 
 /// A scene file with mistakes in it.
 pub struct Scene {
@@ -58,7 +58,19 @@ const JSON: &[Scene] = &[
     Scene {
         what: "What is no number in JSON",
         text: r#"{"camera": {"vfov": «NaN}}"#,
-        messages: &["invalid JSON: expected value, found `NaN`"],
+        messages: &["invalid JSON: expected value, found `NaN`; JSON has finite numbers only"],
+    },
+    Scene {
+        what: "An infinite number",
+        text: r#"{"camera": {"vfov": «Infinity}}"#,
+        messages: &["invalid JSON: expected value, found `Infinity`; JSON has finite numbers only"],
+    },
+    Scene {
+        what: "Single quotes",
+        text: "{\"camera\": {«'vfov': 40}}",
+        messages: &[
+            "invalid JSON: key must be a string, found `'vfov':`; JSON's keys and strings take double quotes (\")",
+        ],
     },
     Scene {
         what: "A byte order mark",
@@ -68,7 +80,7 @@ const JSON: &[Scene] = &[
     Scene {
         what: "A comment",
         text: "{\"camera\": {} «// the default\n}",
-        messages: &["invalid JSON: expected `,` or `}`, found `//`"],
+        messages: &["invalid JSON: expected `,` or `}`, found `//`; JSON has no comments: delete it"],
     },
     Scene {
         what: "Something after the end",
@@ -83,7 +95,13 @@ const JSON: &[Scene] = &[
     Scene {
         what: "No object", text: "«[]", messages: &["expected an object with a \"camera\", found an empty array"]
     },
-    Scene { what: "No camera", text: "«{}", messages: &["\"camera\" is missing"] },
+    Scene {
+        what: "No camera",
+        text: "«{}",
+        messages: &[
+            "\"camera\" is missing; for example \"camera\": {\"transform\": {\"from\": [0, 1, 5], \"at\": [0, 0, 0], \"up\": [0, 1, 0]}, \"vfov\": 40}",
+        ],
+    },
     Scene {
         what: "A key that is no text",
         text: r#"{"camera": {«"\ud800": 1}}"#,
@@ -184,7 +202,15 @@ const NAMES: &[Scene] = &[
                {\"name\": \"b\", \"type\": \"checker\", \"even\": \"a\", \"odd\": 0}]}",
         messages: &[
             "/textures/0/even: no texture is named \"a\"; there are no named textures here",
-            "/textures/0/odd: no texture is named \"b\"; there are no named textures here",
+            "/textures/0/odd: the texture \"b\" is defined below, on line 3; move it before what is made of it",
+        ],
+    },
+    Scene {
+        what: "A material used before it is defined",
+        text: "{\"camera\": {}, \"materials\": [\n  {\"name\": \"m\", \"type\": \"blend\", \"a\": «\"white\", \"b\": «\"white\", \"amount\": 0.5},\n  {\"name\": \"white\", \"type\": \"lambertian\", \"albedo\": 1}]}",
+        messages: &[
+            "/materials/0/a: the material \"white\" is defined below, on line 3; move it before what is made of it",
+            "/materials/0/b: the material \"white\" is defined below, on line 3; move it before what is made of it",
         ],
     },
     Scene {
@@ -364,89 +390,6 @@ const CAMERA: &[Scene] = &[
             "/integrator: \"normals\" is no integrator here: auxiliary images (AOVs), such as the shading normal, come beside \
              the picture (--aovs); allowed: auto, bdpt, path, light, path_tracer_mis, path_tracer_nee, path_tracer_mats, \
              path_tracer_mixture, path_tracer_simple",
-        ],
-    },
-];
-
-const TRANSFORMS: &[Scene] = &[
-    Scene {
-        what: "The eye in the target",
-        text: r#"{"camera": {"transform": «{"from": [1, 2, 3], "at": [1, 2, 3]}}}"#,
-        messages: &["/camera/transform: \"from\" and \"at\" are the same point [1, 2, 3]; they must differ"],
-    },
-    Scene {
-        what: "Up along the view",
-        text: r#"{"camera": {"transform": {"from": [0, 5, 0], "at": 0, "up": «[0, 2, 0]}}}"#,
-        messages: &["/camera/transform/up: \"up\" [0, 2, 0] is parallel to the view [0, -5, 0]; it must not be"],
-    },
-    Scene {
-        what: "The same by the default up, y",
-        text: r#"{"camera": {"transform": «{"from": [0, 5, 0], "at": 0}}}"#,
-        messages: &["/camera/transform: \"up\" [0, 1, 0] is parallel to the view [0, -5, 0]; it must not be"],
-    },
-    Scene {
-        what: "Up that points nowhere",
-        text: r#"{"camera": {"transform": {"from": [0, 5, 0], "at": 0, "up": «[0, 0, 0]}}}"#,
-        messages: &["/camera/transform/up: \"up\" [0, 0, 0] has length 0: it points nowhere; it must not be zero"],
-    },
-    Scene {
-        what: "Two words for one thing",
-        text: r#"{"camera": {"transform": «{"from": [0, 0, 5], "at": 0, "to": 0}}}"#,
-        messages: &["/camera/transform: \"at\" and \"to\" mean the same; give one of them"],
-    },
-    Scene {
-        what: "A frame's axis of length 0",
-        text: r#"{"camera": {"transform": {"x": [1, 0, 0], "y": «[0, 0, 0]}}}"#,
-        messages: &["/camera/transform/y: the axis \"y\" has length 0: it points nowhere; it must not be zero"],
-    },
-    Scene {
-        what: "A rotation about nothing",
-        text: r#"{"camera": {"transform": [{"axis": «[0, 0, 0], "angle": 90}, {"rotate": «[90, 0, 0, 0]}]}}"#,
-        messages: &[
-            "/camera/transform/0/axis: the rotation's axis [0, 0, 0] has length 0: it points nowhere; it must not be zero",
-            "/camera/transform/1/rotate: the rotation's axis [0, 0, 0] has length 0: it points nowhere; it must not be zero",
-        ],
-    },
-    Scene {
-        what: "A perspective matrix, and one of nine numbers",
-        text: "{\"camera\": {\"transform\": [{\"matrix\": «[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]},\n  {\"matrix\": \
-               «[1,0,0, 0,1,0, 0,0,1]}]}}",
-        messages: &[
-            "/camera/transform/0/matrix: the last row is [0.0, 0.0, 1.0, 1.0]; allowed: 0, 0, 0, 1 (no perspective)",
-            "/camera/transform/1/matrix: expected an array of 16 numbers, row by row, found an array of 9",
-        ],
-    },
-    Scene {
-        what: "No transform",
-        text: r#"{"camera": {"transform": «{}}}"#,
-        messages: &[
-            "/camera/transform: no transform; allowed: {from, at, up}, {o, x, y, z}, {translate}, {scale}, {axis, angle}, \
-             {rotate}, {matrix}",
-        ],
-    },
-    Scene {
-        what: "Two transforms in one object",
-        text: r#"{"camera": {"transform": {"translate": 1, «"scale": 2}}}"#,
-        messages: &["/camera/transform/scale: unknown key \"scale\"; allowed: translate"],
-    },
-    Scene {
-        what: "A singular transform",
-        text: r#"{"camera": {"transform": [{"translate": 1}, «{"scale": [1, 0, 1]}]}}"#,
-        messages: &[
-            "/camera/transform/1: the transform is singular: it flattens space; allowed: matrices with an inverse",
-        ],
-    },
-    Scene {
-        what: "A transform that is not finite",
-        text: r#"{"camera": {"transform": «[{"scale": 1e200}, {"scale": 1e200}]}}"#,
-        messages: &["/camera/transform: the transform overflows; allowed: finite matrices"],
-    },
-    Scene {
-        what: "A camera that shears",
-        text: r#"{"camera": «{"transform": {"x": [1, 0, 0], "y": [1, 1, 0]}}}"#,
-        messages: &[
-            "/camera: the camera's transform shears: its axes must stay at right angles; use from/at/up, a rotation, a \
-             translation or a scale",
         ],
     },
 ];

@@ -231,6 +231,11 @@ pub const SURFACES: &[Scene] = &[
         ],
     },
     Scene {
+        what: "A length too small for 32 bits",
+        text: r#"{"camera": {}, "surfaces": [{"type": "sphere", "radius": «1e-46, "material": {"type": "mirror"}}]}"#,
+        messages: &["/surfaces/0/radius: 1e-46 is 0 as a 32-bit float; allowed: 1e-45 or more"],
+    },
+    Scene {
         what: "Sizes of zero or less",
         text: "{\"camera\": {}, \"surfaces\": [{\"type\": \"quad\", \"size\": [1, «0], \"material\": {\"type\": \"mirror\"}},\n  \
                {\"type\": \"sphere\", \"radius\": «-2, \"material\": {\"type\": \"mirror\"}, \"flip_normals\": «\"yes\"}]}",
@@ -348,5 +353,88 @@ pub const MESHES: &[Scene] = &[
         what: "A triangle of two corners",
         text: r#"{"camera": {}, "surfaces": [{"type": "triangle", "positions": «[[0, 0, 0], [1, 0, 0]], "material": {"type": "mirror"}}]}"#,
         messages: &["/surfaces/0/positions: a triangle has 3 positions, found 2"],
+    },
+];
+
+pub const TRANSFORMS: &[Scene] = &[
+    Scene {
+        what: "The eye in the target",
+        text: r#"{"camera": {"transform": «{"from": [1, 2, 3], "at": [1, 2, 3]}}}"#,
+        messages: &["/camera/transform: \"from\" and \"at\" are the same point [1, 2, 3]; they must differ"],
+    },
+    Scene {
+        what: "Up along the view",
+        text: r#"{"camera": {"transform": {"from": [0, 5, 0], "at": 0, "up": «[0, 2, 0]}}}"#,
+        messages: &["/camera/transform/up: \"up\" [0, 2, 0] is parallel to the view [0, -5, 0]; it must not be"],
+    },
+    Scene {
+        what: "The same by the default up, y",
+        text: r#"{"camera": {"transform": «{"from": [0, 5, 0], "at": 0}}}"#,
+        messages: &["/camera/transform: \"up\" [0, 1, 0] is parallel to the view [0, -5, 0]; it must not be"],
+    },
+    Scene {
+        what: "Up that points nowhere",
+        text: r#"{"camera": {"transform": {"from": [0, 5, 0], "at": 0, "up": «[0, 0, 0]}}}"#,
+        messages: &["/camera/transform/up: \"up\" [0, 0, 0] has length 0: it points nowhere; it must not be zero"],
+    },
+    Scene {
+        what: "Two words for one thing",
+        text: r#"{"camera": {"transform": «{"from": [0, 0, 5], "at": 0, "to": 0}}}"#,
+        messages: &["/camera/transform: \"at\" and \"to\" mean the same; give one of them"],
+    },
+    Scene {
+        what: "A frame's axis of length 0",
+        text: r#"{"camera": {"transform": {"x": [1, 0, 0], "y": «[0, 0, 0]}}}"#,
+        messages: &["/camera/transform/y: the axis \"y\" has length 0: it points nowhere; it must not be zero"],
+    },
+    Scene {
+        what: "A rotation about nothing",
+        text: r#"{"camera": {"transform": [{"axis": «[0, 0, 0], "angle": 90}, {"rotate": «[90, 0, 0, 0]}]}}"#,
+        messages: &[
+            "/camera/transform/0/axis: the rotation's axis [0, 0, 0] has length 0: it points nowhere; it must not be zero",
+            "/camera/transform/1/rotate: the rotation's axis [0, 0, 0] has length 0: it points nowhere; it must not be zero",
+        ],
+    },
+    Scene {
+        what: "A perspective matrix, and one of nine numbers",
+        text: "{\"camera\": {\"transform\": [{\"matrix\": «[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]},\n  {\"matrix\": \
+               «[1,0,0, 0,1,0, 0,0,1]}]}}",
+        messages: &[
+            "/camera/transform/0/matrix: the last row is [0.0, 0.0, 1.0, 1.0]; allowed: 0, 0, 0, 1 (no perspective)",
+            "/camera/transform/1/matrix: expected an array of 16 numbers, row by row, found an array of 9",
+        ],
+    },
+    Scene {
+        what: "No transform",
+        text: r#"{"camera": {"transform": «{}}}"#,
+        messages: &[
+            "/camera/transform: no transform; allowed: {from, at, up}, {o, x, y, z}, {translate}, {scale}, {axis, angle}, \
+             {rotate}, {matrix}",
+        ],
+    },
+    Scene {
+        what: "Two transforms in one object",
+        text: r#"{"camera": {"transform": {"translate": 1, «"scale": 2}}}"#,
+        messages: &["/camera/transform/scale: unknown key \"scale\"; allowed: translate"],
+    },
+    Scene {
+        what: "A singular transform",
+        text: r#"{"camera": {"transform": [{"translate": 1}, «{"scale": [1, 0, 1]}]}}"#,
+        messages: &[
+            "/camera/transform/1: the transform is singular: it flattens space; allowed: matrices with an inverse",
+        ],
+    },
+    Scene {
+        what: "A transform that is not finite",
+        text: r#"{"camera": {"transform": «[{"scale": 1e200}, {"scale": 1e200}]}}"#,
+        messages: &["/camera/transform: the transform overflows; allowed: finite matrices"],
+    },
+    Scene {
+        what: "A camera that shears",
+        text: r#"{"camera": «{"transform": {"x": [1, 0, 0], "y": [1, 1, 0]}}}"#,
+        messages: &[
+            "/camera: the camera's transform shears: its axes must stay at right angles; use from/at/up, a rotation, a \
+             translation or a scale",
+        ],
     },
 ];

@@ -71,7 +71,7 @@ pub const NOTES: &[Note] = &[
         what: "A lamp that is there twice",
         text: "{\"camera\": {\"resolution\": 8, \"transform\": {\"translate\": [0, 0, 3]}}, \"surfaces\": [{\"type\": \"sphere\", \"material\": {\"type\": \"diffuse light\", \
                \"emit\": 1}},\n  «{\"type\": \"sphere\", \"material\": {\"type\": \"diffuse light\", \"emit\": 1}}]}",
-        messages: &["warning: @: /surfaces/1: this light is exactly where an earlier one is: it is left out"],
+        messages: &["warning: @: /surfaces/1: this light is exactly where another one is: it is left out"],
         ..LIT
     },
     Note {
@@ -80,6 +80,17 @@ pub const NOTES: &[Note] = &[
                \"material\": {\"type\": \"diffuse light\", \"emit\": 1}, \"positions\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],\n   \
                \"indices\": [[0, 1, 2], [1, 2, 0]]}]}",
         messages: &["warning: @: /surfaces/0: 1 triangle of a light, of 2, exactly where others are: left out"],
+        ..LIT
+    },
+    Note {
+        what: "A checker that does not vary across its surface",
+        text: "{\"camera\": {\"resolution\": 8, \"transform\": {\"translate\": [0, 0, 1]}}, \"background\": 1, \"surfaces\": [\n  \
+               «{\"type\": \"quad\", \"size\": 9, \"material\": {\"type\": \"lambertian\",\n   \"albedo\": {\"type\": \"checker\", \
+               \"even\": 0.8, \"odd\": 0.2, \"scale\": [1, 1, 0]}}}]}",
+        messages: &[
+            "warning: @: /surfaces/0: the scale of its checker along z is 0, where a sine is zero everywhere: all of the \
+             surface is \"even\"; give the checker another scale along z",
+        ],
         ..LIT
     },
     Note {

@@ -30,3 +30,15 @@ fn a_bad_scene_is_refused() {
     let outcome = folder.run(&["precision", "bad.json"]);
     assert_eq!((outcome.status, outcome.stdout.as_str()), (Some(65), ""));
 }
+
+#[test]
+fn paths_longer_than_memory_holds_are_refused() {
+    let folder = Folder::with_room("precision-long");
+    let outcome = folder.run(&["precision", "room.json", "--max-bounces", "1000000"]);
+    assert_eq!((outcome.status, outcome.stdout.as_str()), (Some(2), ""));
+    assert!(
+        outcome.stderr.contains("1000000 bounces") && outcome.stderr.contains("fewer --max-bounces"),
+        "{}",
+        outcome.stderr
+    );
+}

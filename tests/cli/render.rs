@@ -139,6 +139,7 @@ fn statistics_have_every_field() {
         "max_bounces",
         "non_finite",
         "overflows",
+        "overflows_first",
         "paths",
         "peak_memory_bytes",
         "rays",

@@ -19,7 +19,16 @@ fn reports_hold_what_the_table_does() {
     assert!(rows.iter().any(|row| row["case"] == "no area" && row["energy_low"] == 0.0 && row["rays"] != 0), "{json}");
     for page in ["r.html", "r.md"] {
         let text = std::fs::read_to_string(folder.path(page)).unwrap();
-        assert_eq!(text.matches("spot 0°").count(), rows.len() / 2, "{text}");
+        let (head, table) = text.split_once(if page == "r.md" { "| case |" } else { "<table>" }).unwrap();
+        assert_eq!(table.matches("spot 0°").count(), rows.len() / 2, "{text}");
+        assert!(
+            head.contains("ok: ")
+                && table.contains("judged by")
+                && table.contains("<td>same bits<td>") == (page == "r.html"),
+            "{text}"
+        );
+        let made = "Made by `twinlight stress --case \"no area\" --case \"spot 0°\"`; not";
+        assert!(page == "r.html" || head.contains(made), "{text}");
     }
 }
 
@@ -33,4 +42,13 @@ fn unknown_cases_and_reports_are_usage_errors() {
     assert_eq!(outcome.status, Some(2));
     assert_eq!(outcome.stderr, "twinlight: report.txt: a report is an .html, .json or .md file; give it such a name\n");
     assert!(outcome.stdout.is_empty() && folder.names().is_empty());
+}
+
+#[test]
+fn a_report_that_cannot_be_written_is_told_before_the_work() {
+    let folder = Folder::with_room("stress_unwritable");
+    let told = folder.run(&["stress", "-o", "nowhere/report.md"]);
+    assert_eq!(told.status, Some(1));
+    assert!(told.stderr.contains("cannot write `nowhere/report.md`"), "{}", told.stderr);
+    assert_eq!(told.stdout, "");
 }

@@ -50,6 +50,9 @@ fn a_traced_sample_is_the_one_that_was_rendered() {
             assert!((a - b).abs() <= 1e-6 * b.abs(), "{pixel}: {told:?} and {:?}", image.get(x, y));
         }
         let parts = ["room.json: pixel", "camera subpath", "z1 camera at", "/surfaces/", "throughput"];
+        for word in ["Vec3A", "{", "uv (0"] {
+            assert!(!outcome.stdout.contains(word), "{word:?}: {}", outcome.stdout);
+        }
         // Not every ray meets a surface.
         for part in &parts[..if told[0] > 0.0 { 5 } else { 3 }] {
             assert!(outcome.stdout.contains(part), "{part:?} is missing: {}", outcome.stdout);

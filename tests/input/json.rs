@@ -19,9 +19,12 @@ fn json_syntax() {
             "{\"name\": \"abc«",
             "invalid JSON: EOF while parsing a string: the file ends before the scene does; is it truncated?",
         ),
-        ("{\"a\": «nan}", "invalid JSON: expected value, found `nan`"),
-        ("{\"a\": «NaN}", "invalid JSON: expected value, found `NaN`"),
-        ("{\"é\": 1,\n «'b': 2}", "invalid JSON: key must be a string, found `'b':`"),
+        ("{\"a\": «nan}", "invalid JSON: expected value, found `nan`; JSON has finite numbers only"),
+        ("{\"a\": «NaN}", "invalid JSON: expected value, found `NaN`; JSON has finite numbers only"),
+        (
+            "{\"é\": 1,\n «'b': 2}",
+            "invalid JSON: key must be a string, found `'b':`; JSON's keys and strings take double quotes (\")",
+        ),
         ("{\"a\": 1«, }", "invalid JSON: trailing comma before `}`; delete it"),
         ("[1«, ]", "invalid JSON: trailing comma before `]`; delete it"),
         // Where the comma is, not where it is noticed; one in a text is none.
@@ -67,11 +70,15 @@ fn file_encoding() {
     }
 }
 
+/// What is said of a scene without a camera.
+const NO_CAMERA: &str = "\"camera\" is missing; for example \"camera\": {\"transform\": {\"from\": [0, 1, 5], \"at\": [0, 0, 0], \
+                         \"up\": [0, 1, 0]}, \"vfov\": 40}";
+
 #[test]
 fn keys() {
     for (marked, message) in [
         ("«[]", "expected an object with a \"camera\", found an empty array"),
-        ("«{}", "\"camera\" is missing"),
+        ("«{}", NO_CAMERA),
         (
             r#"{"camera": {}, «"surface": []}"#,
             "/surface: unknown key \"surface\"; did you mean \"surfaces\"? allowed: camera, integrator, sampler, \

@@ -115,11 +115,11 @@ fn obj_files() {
         ("f 1 2 x", "a.obj:4:7: expected a whole number (vertex), found `x`"),
         ("f 1 2 3.5", "a.obj:4:7: expected a whole number (vertex), found `3.5`"),
         ("v 0 nan 0", "a.obj:4:5: y `nan` is not finite; allowed: -3.4e38 to 3.4e38"),
-        ("v 0 0 1e39", "a.obj:4:7: z `1e39` is not finite; allowed: -3.4e38 to 3.4e38"),
+        ("v 0 0 1e39", "a.obj:4:7: z 1e39 is out of range; allowed: -3.4e38 to 3.4e38 (32-bit floats)"),
         ("v 0 0", "a.obj:4:6: the line ends where a number (z) is expected"),
         ("v 0 0 zero", "a.obj:4:7: expected a number (z), found `zero`"),
         ("vn 0 0 1 1", "a.obj:4:10: `1` follows the normal; the line should end here"),
-        ("vertex 1 2 3", "a.obj:4:1: unknown statement `vertex`; allowed: v, vt, vn, f, g, o, s, usemtl, mtllib"),
+        ("vertex 1 2 3", "a.obj:4:1: unknown statement `vertex`; allowed: v, vt, vn, f, l, p, g, o, s, usemtl, mtllib"),
         ("", "a.obj: the mesh has no faces; it needs at least one `f` line"),
     ] {
         assert_eq!(mesh_error("a.obj", format!("{triangle}{text}").as_bytes()), message, "\nin {text}");

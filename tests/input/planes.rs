@@ -43,7 +43,8 @@ fn a_surface_in_a_plane_of_its_checker_is_said_to_be_even() {
         (r#""type": "checker", "scale": [6.283185307179586, 6.283185307179586, 1], "even": 0.8, "odd": 0.2"#, &[]),
         // Within another.
         (
-            r#""type": "marble", "base": 0, "veins": {"type": "checker", "scale": [1, 1, 0], "even": 0.8, "odd": 0.2}"#,
+            r#""type": "marble", "base": 0,
+               "veins": {"type": "checker", "scale": [1, 1, 6.283185307179586], "even": 0.8, "odd": 0.2}"#,
             &["z = 0.5"],
         ),
         (r#""type": "marble", "base": 0, "veins": 1"#, &[]),

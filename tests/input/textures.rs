@@ -80,7 +80,7 @@ fn texture_objects() {
             {"name": "b", "type": "checker", "even": "a", "odd": 0}]}"#,
         &[
             "/textures/0/even: no texture is named \"a\"; there are no named textures here",
-            "/textures/0/odd: no texture is named \"b\"; there are no named textures here",
+            "/textures/0/odd: the texture \"b\" is defined below, on line 2; move it before what is made of it",
         ],
     );
 }
@@ -308,7 +308,7 @@ fn blends() {
         &[
             (
                 r#""a": "white", "b": «"below", "amount": 0.5"#,
-                "/materials/2/b: no material is named \"below\"; known: white, lamp",
+                "/materials/2/b: the material \"below\" is defined below, on line 3; move it before what is made of it",
             ),
             (
                 r#""a": "white", "b": «"m", "amount": 0.5"#,

@@ -125,15 +125,15 @@ fn attach_apart(
         let all = which(GeometryKind::Triangle, geometry.triangles.len());
         // `slivers` are in order.
         let (some_thin, some): (Vec<u32>, Vec<u32>) = all.into_iter().partition(|i| slivers.binary_search(i).is_ok());
+        let some_thin = Slivers::new(geometry, &some_thin, slivers);
         let corners = || some.iter().map(|&i| geometry.triangles[i as usize]).collect();
         let some_quadrics = which(GeometryKind::Quadric, geometry.quadrics.len());
         for scene in [Some(&mut *transport), cut_out.then_some(&mut *own)].into_iter().flatten() {
             if !some.is_empty() {
                 scene.attach_triangles(geometry, Some(corners()), triangles, mask)?;
             }
-            if !some_thin.is_empty() {
-                let user = Slivers { geometry: Arc::clone(geometry), some: some_thin.clone() };
-                scene.attach_user(user, thin, mask)?;
+            if some_thin.len() > 0 {
+                scene.attach_user(some_thin.clone(), thin, mask)?;
             }
             if !some_quadrics.is_empty() {
                 let user = Quadrics { geometry: Arc::clone(geometry), some: Some(some_quadrics.clone()) };
@@ -141,7 +141,7 @@ fn attach_apart(
             }
         }
         numbers[triangles as usize] = some;
-        numbers[thin as usize] = some_thin;
+        numbers[thin as usize] = some_thin.numbers();
         numbers[quadrics as usize] = some_quadrics;
     }
     Ok(numbers)
@@ -167,8 +167,9 @@ impl CutOuts {
     #[inline]
     fn may_meet(&self, ray: &Ray) -> bool {
         let [min, max] = self.bounds;
-        // Of two coordinates' difference and its product four roundings, 2⁻²² of the larger one, and as much again.
-        let margin = ray.o.abs().max(Vec3::splat(self.extent)) * (1.0 / (1 << 20) as f32);
+        // Of two coordinates' difference and its product four roundings, 2⁻²² of the larger one; by less than four times as
+        // much slivers are met beside their edges (`slivers::GENEROSITY` of the distance to their corners); as much again.
+        let margin = Vec3::splat(ray.o.abs().max_element().max(self.extent) * (1.0 / (1 << 19) as f32));
         // Clamped, so that nothing times infinity cannot occur.
         let huge = Vec3::splat(f32::MAX);
         let reciprocal = ray.d.recip().clamp(-huge, huge);

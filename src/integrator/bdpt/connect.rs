@@ -172,12 +172,13 @@ impl<S: Sums> Bdpt<S> {
             recorder.tell(|| made(1, z.number, None, Some(id), None, 0.0));
             return;
         };
-        let visible =
-            roulette.visible(value, || scene.visibility(&y.point.shadow_ray(&z.at), &mut recorder.rays.shadow));
+        let segment = y.point.shadow_ray(&z.at);
+        let visible = roulette.visible(value, || scene.visibility(&segment, &mut recorder.rays.shadow));
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_next_event(scene, light, &y.point, y.pdf.0, pmf, z);
             made(1, z.number, None, Some(id), plain.map(|plain| [plain.value, value]), visible)
         });
+        recorder.tell_blocker(visible, || scene.blocker(&segment));
         if visible > 0.0 {
             recorder.add(1, z.number, value * visible);
             let own = S::splat(self.mis.h(1.0));
@@ -238,15 +239,14 @@ impl<S: Sums> Bdpt<S> {
                 recorder.tell(|| made(y.number, z.number, None, None, None, 0.0));
                 continue;
             };
-            let visible = roulette.visible(value, || {
-                let wi = y.at.p() - z.at.p();
-                let segment = Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()));
-                scene.visibility(&segment, &mut recorder.rays.connection)
-            });
+            let wi = y.at.p() - z.at.p();
+            let segment = Ray::segment(z.at.origin(wi), y.at.segment_end(z.at.p()));
+            let visible = roulette.visible(value, || scene.visibility(&segment, &mut recorder.rays.connection));
             recorder.tell(|| {
                 let plain = self.unweighted().evaluate_connection(y, z);
                 made(y.number, z.number, None, None, plain.map(|plain| [plain.value, value]), visible)
             });
+            recorder.tell_blocker(visible, || scene.blocker(&segment));
             if visible > 0.0 {
                 let value = if planted(Bug::EmissionInConnections) { value + emission(scene, z) } else { value };
                 recorder.add(y.number, z.number, value * visible);
@@ -301,13 +301,14 @@ impl<S: Sums> Bdpt<S> {
             return;
         };
         roulette.turn_to(self.thresholds.as_deref(), lens.pixel);
-        let visible = roulette
-            .visible(value, || scene.visibility(&Ray::segment(y.at.origin(lens.wi), lens.p), &mut recorder.rays.lens));
+        let segment = Ray::segment(y.at.origin(lens.wi), lens.p);
+        let visible = roulette.visible(value, || scene.visibility(&segment, &mut recorder.rays.lens));
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_lens(scene, y, &numbers);
             let values = plain.map(|(_, plain)| [plain.value, value]);
             made(y.number, 1, Some((lens.pixel, numbers)), None, values, visible)
         });
+        recorder.tell_blocker(visible, || scene.blocker(&segment));
         if visible > 0.0 {
             recorder.splat(y.number, 1, lens.pixel, value * visible);
             let technique = Technique { s: y.number, t: 1 };
@@ -356,12 +357,14 @@ impl<S: Sums> Bdpt<S> {
             recorder.tell(|| made(1, 1, None, None, None, 0.0));
             return;
         };
-        let visible = scene.visibility(&Ray::segment(y.origin(lens.wi), lens.p), &mut recorder.rays.lens);
+        let segment = Ray::segment(y.origin(lens.wi), lens.p);
+        let visible = scene.visibility(&segment, &mut recorder.rays.lens);
         recorder.tell(|| {
             let plain = self.unweighted().evaluate_light_in_lens(scene, light, y, pdf_position, &numbers);
             let values = plain.map(|(_, plain)| [plain.value, value]);
             made(1, 1, Some((lens.pixel, numbers)), None, values, visible)
         });
+        recorder.tell_blocker(visible, || scene.blocker(&segment));
         if visible > 0.0 {
             recorder.splat(1, 1, lens.pixel, value * visible);
             let technique = Technique { s: 1, t: 1 };

@@ -85,6 +85,19 @@ impl AreaLight {
         SphereCone::new(to, *radius)
     }
 
+    /// Whether there is no light to be sampled from this place, behind a parallelogram: what `sample_direct` refuses, and
+    /// `pdf_direct` calls impossible.
+    #[inline(always)]
+    fn is_behind(&self, from: Vec3) -> bool {
+        match &self.emitter {
+            Emitter::Parallelogram { corner, normals: [one, other], .. } => {
+                let to = from - *corner;
+                !self.two_sided && to.dot(*one) < 0.0 && to.dot(*other) < 0.0
+            }
+            Emitter::Triangles { .. } | Emitter::Quadric { .. } => false,
+        }
+    }
+
     /// A point of part `part` for next-event estimation at `from`, with its density per area given the part; `None` where
     /// the receiver sees the surface edge-on.
     #[inline(always)]
@@ -95,9 +108,8 @@ impl AreaLight {
         part: u32,
         u: [f32; 2],
     ) -> Option<(SurfacePoint, AreaPdf)> {
-        if let Emitter::Parallelogram { corner, edges, normal, .. } = &self.emitter {
-            // Behind it there is no light to be sampled.
-            if !self.two_sided && (from - *corner).dot(*normal) < 0.0 {
+        if let Emitter::Parallelogram { corner, edges, .. } = &self.emitter {
+            if self.is_behind(from) {
                 return None;
             }
             // The everyday lamp, at an everyday distance.
@@ -146,6 +158,9 @@ impl AreaLight {
     /// Density per area with which `sample_direct` at `from` chooses the point `at` of this light, given its part.
     #[inline]
     pub fn pdf_direct(&self, geometry: &Geometry, from: Vec3, at: &SurfacePoint) -> AreaPdf {
+        if self.is_behind(from) {
+            return AreaPdf(0.0);
+        }
         let solid_angle = match &self.emitter {
             Emitter::Parallelogram { .. } => self.rectangle_from(from).map(|r| r.solid_angle()),
             Emitter::Triangles { .. } => match triangle_from(geometry, from, at.primitive()) {
@@ -183,7 +198,7 @@ impl AreaLight {
         };
         // The area that it shows at most.
         let (lo, hi, axis, theta_normals, shown) = match &self.emitter {
-            Emitter::Parallelogram { corner, edges: [a, b], normal, .. } => {
+            Emitter::Parallelogram { corner, edges: [a, b], normals: [normal, _], .. } => {
                 flat(&[*corner, *corner + *a, *corner + *b, *corner + *a + *b], *normal, self.area)
             }
             Emitter::Triangles { triangles, .. } => {

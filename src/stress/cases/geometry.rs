@@ -207,11 +207,25 @@ fn cameras(all: &mut Vec<Case>) {
         scene["camera"]["vfov"] = json!(vfov);
         all.push(Case::new(format!("vfov {vfov}"), what, scene, Expected::Mean(2.0)).closed().from_camera());
     }
-    for size in [[1, 1], [1, 64], [64, 1]] {
-        let mut scene = Room::new();
-        scene.camera["resolution"] = json!(size);
-        let name = format!("image {}×{}", size[0], size[1]);
-        all.push(Case::new(name, "an image of few pixels", scene.json(), Expected::Finite).closed());
+    for [width, height] in [[1, 1], [1, 64], [64, 1]] {
+        let sized = |times: u32| {
+            let mut room = Room::new();
+            room.camera["resolution"] = json!([times * width, times * height]);
+            room.json()
+        };
+        let expected = Expected::SameAs { scene: sized(2), times: 1.0 };
+        let name = format!("image {width}×{height}");
+        let what = "an image of few pixels, against one of four times as many";
+        let case = Case::new(name.clone(), what, sized(1), expected).closed().within(0.03);
+        // Few light paths land in a view of one pixel's width, fewer in one that is 64 times as wide as high.
+        match [width, height] {
+            [1, 1] => all.push(case.samples(512)),
+            [1, 64] => {
+                let light = Case { name: format!("{name}, light"), ..case.clone() };
+                all.extend([case.from_camera().samples(16), light.by_light().samples(512)]);
+            }
+            _ => all.push(case.from_camera().samples(16)),
+        }
     }
     // One degree's thousandth above the plane: what is seen lies 57 units away.
     let mut grazing =

@@ -74,14 +74,55 @@ fn delta_points(all: &mut Vec<Case>) {
         let light = json!({ "type": "spot light", "emit": 1, "inner_angle": inner, "outer_angle": outer });
         lit(vec![delta_toward(PLACE, [PLACE[0], -1.0, PLACE[2]], [0.0, 0.0, 1.0], light)])
     };
-    all.push(Case::new("spot 30° hard", "a spot without a rim", spot(30.0, 30.0), Expected::Finite).closed());
-    all.push(Case::new("spot 90° hard", "a spot that is half a point", spot(90.0, 90.0), Expected::Finite).closed());
+    // As small as what it keeps out is large as seen from the point: what it hides otherwise is nothing.
+    let masked = |mask: Value| lit(vec![delta(PLACE, point(1.0)), mask]);
+    let what = "a spot without a rim, against a point in a black shade";
+    let expected = Expected::SameAs { scene: masked(shade(30.0)), times: 1.0 };
+    let case = Case::new("spot 30° hard", what, spot(30.0, 30.0), expected).closed().within(0.02);
+    // Of the light paths that start in the shade, one in fifteen leaves it.
+    let light = Case { name: "spot 30° hard, light".to_owned(), ..case.clone() };
+    all.extend([case.from_camera().samples(64), light.by_light().samples(1024)]);
+    let what = "a spot that is half a point, against a point under a black lid";
+    let expected = Expected::SameAs { scene: masked(lid()), times: 1.0 };
+    let case = Case::new("spot 90° hard", what, spot(90.0, 90.0), expected).closed().samples(64).within(0.02);
+    all.push(case.apart(1e-3, "light leaves below the lid at less than 2⁻¹⁰ above the point's plane"));
     let what = "a spot that is a whole point";
     all.push(Case::new("spot 180° hard", what, spot(180.0, 180.0), same(one, 1.0)).closed().samples(64).within(0.02));
     all.push(Case::new("spot 0°", "a spot of no width", spot(0.0, 0.0), Expected::Nothing).closed());
-    all.push(
-        Case::new("spot 1e-4°", "a spot of a ten-thousandth of a degree", spot(0.0, 1e-4), Expected::Finite).closed(),
-    );
+    // Both light a point of the floor, which sends on what its cone holds: 1 − cosθ.
+    let versine = |degrees: f64| 2.0 * (0.5 * degrees.to_radians()).sin().powi(2);
+    let expected = Expected::SameAs { scene: spot(0.0, 0.05), times: versine(1e-4) / versine(0.05) };
+    let what = "a spot of a ten-thousandth of a degree, against one 500 times as wide";
+    let case = Case::new("spot 1e-4°", what, spot(0.0, 1e-4), expected).closed().samples(4).within(0.02);
+    all.push(Case { integrators: Case::FROM_LIGHT, ..case });
+}
+
+/// Black on both sides.
+fn black() -> Value {
+    json!({ "type": "lambertian", "albedo": 0, "two_sided": true })
+}
+
+/// A black bucket upside down about `PLACE`, through whose mouth the point sees the cone of this half-angle: of 256 corners, as
+/// large as the circle.
+fn shade(degrees: f64) -> Value {
+    let (height, corners) = ((-10.0_f64).exp2(), 256);
+    let step = std::f64::consts::TAU / f64::from(corners);
+    let radius = height * degrees.to_radians().tan() * (step / step.sin()).sqrt();
+    let ring = |y: f64| {
+        (0..corners).map(move |i| (f64::from(i) * step, y)).map(move |(a, y)| [radius * a.cos(), y, radius * a.sin()])
+    };
+    let around = ring(-height).chain(ring(height)).chain([[0.0, height, 0.0]]);
+    let positions: Vec<[f64; 3]> = around.map(|p| std::array::from_fn(|k| PLACE[k] + p[k])).collect();
+    let n = corners as usize;
+    let sides = (0..n).map(|i| vec![i, (i + 1) % n, n + (i + 1) % n, n + i]);
+    let top = (0..n).map(|i| vec![n + i, n + (i + 1) % n, 2 * n]);
+    let faces: Vec<Vec<usize>> = sides.chain(top).collect();
+    json!({ "type": "mesh", "positions": positions, "indices": faces, "material": black(), "transform": [] })
+}
+
+/// A black sheet just above `PLACE`, a thousand times as wide as it is far.
+fn lid() -> Value {
+    quad([(-7.0_f64).exp2(); 2], 90.0, X, [PLACE[0], PLACE[1] + (-18.0_f64).exp2(), PLACE[2]], black())
 }
 
 fn many(all: &mut Vec<Case>, full: bool) {

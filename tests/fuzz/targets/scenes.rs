@@ -56,6 +56,6 @@ fn on<A: Accel>(made: &Made, desc: &SceneDesc) {
     let seen = weights(&scene, made.settings, JUDGED);
     // Peaked lobes magnify the rounding of directions, differently for each technique.
     let faults = faults_of_weights(&seen, if made.peaked { 2e-2 } else { WEIGHTS });
-    let path = seen.failure.unwrap_or_default();
+    let path = seen.structural.first.map(|f| f.to_string()).or(seen.failure).unwrap_or_default();
     assert!(faults.is_empty(), "{}: {}; {path}", A::NAME, faults.join("; "));
 }

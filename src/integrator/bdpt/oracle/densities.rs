@@ -1,7 +1,7 @@
 //! A path's densities by every technique, and what it contributes by each, multiplied out in f64.
 
-use super::Judge;
 use super::paths::{FullPath, Inner};
+use super::{Fault, Judge, Structural};
 use crate::accel::Accel;
 use crate::bsdf::{Bsdf, Transport};
 use crate::camera::CameraSample;
@@ -13,10 +13,17 @@ use crate::scene::desc::Heuristic;
 /// What one direction of travel makes of a scattering vertex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scatter {
+    /// BSDF × cosine, with what the transport adds, over `pdf_fwd`: what a throughput is multiplied by.
     pub weight: Rgb,
+    /// Density with which the walk goes on to the next vertex, per solid angle of that direction; of a delta lobe its
+    /// probability.
     pub pdf_fwd: f64,
+    /// The same the other way, per solid angle of the direction to the vertex before; of a delta lobe its probability times the
+    /// ratio of solid angles dωi/dωo, as `BsdfSample::pdf_rev` says.
     pub pdf_rev: f64,
+    /// |cosine| between the geometric normal and the direction to the next vertex.
     pub cos_out: f64,
+    /// Whether the lobe is a delta.
     pub delta: bool,
 }
 
@@ -64,11 +71,16 @@ pub(super) struct Densities<'p> {
     pub path: &'p FullPath,
     /// Number of edges.
     pub k: usize,
-    /// What the light emits along the first edge.
+    /// What the light emits along the first edge: radiance, intensity of a point or spot, irradiance of a direction.
     pub le: Rgb,
-    /// Density of the light's point by emission and by next-event estimation, of the first direction.
+    /// Density of the light and of its point by emission, per area of the light; of a delta light the probability of its choice
+    /// (its place has the unit mass). Of a light at infinity it is the direction that stands for the point: per solid angle, or
+    /// that probability alone.
     pub emission: f64,
+    /// The same by next-event estimation from the first vertex, in the same measure.
     pub direct: f64,
+    /// Density of the first direction by emission, the point being given: per solid angle. Of a light at infinity that of the
+    /// edge's place, per area across its direction.
     pub direction: f64,
     /// Probability of the light's choice for emission.
     pub pmf_emission: Pmf,
@@ -91,7 +103,7 @@ pub(super) struct Densities<'p> {
 
 impl<'p> Densities<'p> {
     /// `None` when the path carries nothing or leaves the view, and when `fault` says what is wrong with it.
-    pub fn of<A: Accel>(judge: &Judge<'_, A>, path: &'p FullPath, fault: &mut Option<String>) -> Option<Self> {
+    pub fn of<A: Accel>(judge: &Judge<'_, A>, path: &'p FullPath, fault: &mut Option<Fault>) -> Option<Self> {
         let scene = judge.scene;
         let k = path.inner.len() + 1;
         let light = &scene.lights[path.light as usize];
@@ -140,7 +152,7 @@ impl<'p> Densities<'p> {
         }
         if next_event && direct == 0.0 {
             if cos[0][0] >= 1e-4 && cos[0][1] >= 1e-4 {
-                *fault = Some("the choice of the light misses what shines on the receiver".to_owned());
+                *fault = Some(Fault { kind: Structural::LightMissed, details: String::new() });
             }
             return None;
         }
@@ -268,23 +280,24 @@ impl<'p> Densities<'p> {
 }
 
 /// Scattering at a vertex in both directions of travel, from the light and from the camera.
-fn both_ways(v: &Inner, back: Vec3, forth: Vec3, fault: &mut Option<String>) -> Option<[Scatter; 2]> {
+fn both_ways(v: &Inner, back: Vec3, forth: Vec3, fault: &mut Option<Fault>) -> Option<[Scatter; 2]> {
     let outwards = scatter(v, back, forth, Transport::Importance)?;
     let mut inwards = scatter(v, forth, back, Transport::Radiance)?;
     if !v.delta {
         // The same bits, but for refraction by facets: their half vectors are scaled by η one way, by 1/η the other.
-        // Of a lobe of width α the density changes by 2/α of what the half vector's direction is off.
+        // These are half vectors with other roundings: the density changes by its steepness times those.
         let off = match v.bsdf {
-            Bsdf::RoughDielectric(b) => {
-                let alpha = f64::from(b.roughness.alpha[0].min(b.roughness.alpha[1]));
-                1e-5_f64.max(1e-6 / alpha) * f64::from(b.ior.max(1.0 / b.ior))
+            Bsdf::RoughDielectric(_) => {
+                let steepness = v.bsdf.steepness(&v.at, back, forth).max(v.bsdf.steepness(&v.at, forth, back));
+                1e-5_f64.max(2.0 * f64::from(f32::EPSILON) * steepness)
             }
             _ => 0.0,
         };
         let same = |a: f64, b: f64| a == b || (a / b - 1.0).abs() < off;
         let holds = same(outwards.pdf_fwd, inwards.pdf_rev) && same(outwards.pdf_rev, inwards.pdf_fwd);
         if !holds {
-            *fault = Some(format!("densities at a vertex: {outwards:?} {inwards:?}"));
+            let details = format!("{outwards:?} {inwards:?}");
+            *fault = Some(Fault { kind: Structural::Densities, details });
             return None;
         }
     } else {
@@ -297,7 +310,8 @@ fn both_ways(v: &Inner, back: Vec3, forth: Vec3, fault: &mut Option<String>) -> 
             if along(back) || along(forth) {
                 return None;
             }
-            *fault = Some(format!("densities of a delta lobe: {outwards:?} {inwards:?}"));
+            let details = format!("{outwards:?} {inwards:?}");
+            *fault = Some(Fault { kind: Structural::DeltaDensities, details });
             return None;
         }
         (inwards.pdf_fwd, inwards.pdf_rev) = (outwards.pdf_rev, outwards.pdf_fwd);

@@ -10,12 +10,18 @@
 //! The densities come from the lights, the camera and the BSDFs under test: that they are the densities of what is
 //! sampled is for the tests of those to show.
 
+mod condition;
 mod densities;
+mod fault;
 mod paths;
 pub mod replay;
+mod seen;
+
+pub use fault::{Fault, Faults, Structural};
+pub use seen::{Seen, worse};
 
 use densities::{Densities, Scatter};
-use paths::{FullPath, random_path};
+use paths::FullPath;
 
 use super::connect::EmitterHit;
 use super::mis::{Departure, LightStart, Mis, Partial};
@@ -70,7 +76,7 @@ impl<'a, A: Accel> Judge<'a, A> {
     }
 
     /// `None` when the path carries nothing or leaves the view, and when `fault` says what is wrong with it.
-    fn judge(&self, path: &FullPath, fault: &mut Option<String>) -> Option<Vec<Verdict>> {
+    fn judge(&self, path: &FullPath, fault: &mut Option<Fault>) -> Option<Vec<Verdict>> {
         let scene = self.scene;
         let densities = Densities::of(self, path, fault)?;
         let Densities { k, emission, direct, pmf_emission, receiver, .. } = densities;
@@ -78,6 +84,8 @@ impl<'a, A: Accel> Judge<'a, A> {
 
         // The production recursion along the same vertices.
         let (light_side, camera_side) = self.subpaths(&densities);
+        // Of a path that carries nothing, or more or less than f32 holds, no weight can be told by dividing.
+        let held = |x: f64| (1e-30..=1e30).contains(&x);
         let mut verdicts = Vec::new();
         for s in (0..=k).filter(|&s| densities.feasible(s)) {
             let value = |b: &Bdpt| -> Option<Rgb> {
@@ -98,15 +106,19 @@ impl<'a, A: Accel> Judge<'a, A> {
                     s => b.evaluate_connection(&light_side(s - 1), &camera_side(s)).map(|x| x.value),
                 }
             };
-            let (with, without) = (value(&self.weighted)?, value(&self.plain)?);
-            let (with, without) = (f64::from(with.max_element()), f64::from(without.max_element()));
             let (oracle, measure) = (densities.weight(s), densities.density(s) * densities.count(s));
             // By the factors that were multiplied out, as f64.
-            let contribution = without / densities.contribution(s).max_element() - 1.0;
+            let exact = densities.contribution(s).max_element();
+            let (Some(with), Some(without)) = (value(&self.weighted), value(&self.plain)) else {
+                if held(exact) {
+                    *fault = Some(Fault { kind: Structural::Refused, details: format!("s = {s} carries {exact:.1e}") });
+                }
+                return None;
+            };
+            let (with, without) = (f64::from(with.max_element()), f64::from(without.max_element()));
+            let contribution = without / exact - 1.0;
             verdicts.push(Verdict { s, weight: with / without, oracle, measurement: without * measure, contribution });
         }
-        // Of a path that carries nothing, or more or less than f32 holds, no weight can be told by dividing.
-        let held = |x: f64| (1e-30..=1e30).contains(&x);
         let carried = |v: Vertex| f64::from(v.beta.max_element());
         let measurement = verdicts.iter().map(|v| v.measurement).filter(|m| m.is_finite()).fold(0.0, f64::max);
         let all_held = (1..k).all(|i| held(carried(light_side(i))) && held(carried(camera_side(i))))
@@ -186,130 +198,6 @@ impl<'a, A: Accel> Judge<'a, A> {
             departure = Some(Departure { partial, count, splats, cos: cos_out, pdf_fwd, pdf_rev, delta });
         }
         (move |i: usize| lights[i - 1], move |i: usize| cameras[i].expect("asked for a vertex that exists"))
-    }
-}
-
-/// What was seen over many paths.
-#[derive(Clone, Debug, Default)]
-pub struct Seen {
-    /// How many there were.
-    pub paths: u64,
-    techniques: u64,
-    with_delta: u64,
-    techniques_with_delta: u64,
-    /// Techniques whose identity is off by more than 1e-4 next to a delta vertex.
-    tail: u64,
-    /// The largest |Σw − 1|.
-    pub worst_sum: f64,
-    /// The largest deviation of a weight from the oracle's, over that plus 10⁻⁶.
-    pub worst_weight: f64,
-    /// The same over what rounding the path's points may do, where it is more than 10⁻⁴.
-    pub worst_weight_over_condition: f64,
-    /// The largest relative error of an unweighted contribution.
-    pub worst_contribution: f64,
-    worst_identity: f64,
-    /// Over the tail: the largest deviation, the largest condition, the largest ratio of the one to the other.
-    worst_tail: f64,
-    worst_condition: f64,
-    worst_ratio: f64,
-    /// Paths on which a mixture scattered by its delta lobe; with an edge through a cut-out surface.
-    mixtures: u64,
-    thinned: u64,
-    /// Paths with an edge that was walked along and is not seen along, or not alike from both ends.
-    blocked: u64,
-    /// What is wrong with the first path that is.
-    pub failure: Option<String>,
-}
-
-/// The larger of two deviations; a NaN, which `f64::max` would pass over, is larger than all.
-pub fn worse(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
-}
-
-impl Seen {
-    /// Looks at the path of this number.
-    pub fn path<A: Accel>(judge: &Judge<'_, A>, index: u32) -> Self {
-        let mut seen = Self::default();
-        let Some(path) = random_path(judge.scene, index) else { return seen };
-        let mut fault = None;
-        let Some(verdicts) = judge.judge(&path, &mut fault) else {
-            seen.failure = fault.map(|fault| format!("{fault}, on {path:?}"));
-            return seen;
-        };
-        if verdicts.is_empty() {
-            return seen;
-        }
-        let delta = path.inner.iter().any(|v| v.delta);
-        seen.paths = 1;
-        seen.techniques = verdicts.len() as u64;
-        seen.with_delta = u64::from(delta);
-        seen.techniques_with_delta = if delta { seen.techniques } else { 0 };
-        let mut require = |holds: bool, what: &str| {
-            if !holds && seen.failure.is_none() {
-                seen.failure = Some(format!("{what}: {verdicts:?} on {path:?}"));
-            }
-        };
-        let oracle_sum: f64 = verdicts.iter().map(|v| v.oracle).sum();
-        require((oracle_sum - 1.0).abs() < 1e-9, "the oracle's weights do not sum to 1");
-        let sum: f64 = verdicts.iter().map(|v| v.weight).sum();
-        seen.worst_sum = (sum - 1.0).abs();
-        require(seen.worst_sum < 1e-4, "the weights do not sum to 1");
-        seen.mixtures = u64::from(path.inner.iter().any(|v| v.delta && v.bsdf.is_connectible()));
-        let visibilities = path.visibilities(judge.scene);
-        seen.thinned = u64::from(visibilities.iter().flatten().any(|x| 0.0 < *x && *x < 1.0));
-        seen.blocked =
-            u64::from(visibilities.iter().any(|[a, b]| *a == 0.0 || *b == 0.0 || (a / b - 1.0).abs() > 1e-4));
-        for v in &verdicts {
-            let off = (v.weight - v.oracle).abs() / (v.oracle + 1e-6);
-            seen.worst_weight = worse(seen.worst_weight, off);
-            if off.is_nan() || off >= 1e-4 {
-                let condition = replay::condition(judge, &path);
-                seen.worst_weight_over_condition = worse(seen.worst_weight_over_condition, off / condition);
-            }
-            require(off < 1e-4, "a weight differs from the oracle's");
-            seen.worst_contribution = worse(seen.worst_contribution, v.contribution.abs());
-            require(v.contribution.abs() < 1e-5, "a contribution is not the product of its factors");
-            // The stored points around a delta vertex are a rounding away from Snell's law: the cosines there are off
-            // by that rounding over the edge's length and the cosine. Everywhere else the identity holds to rounding.
-            let spread = (v.measurement / verdicts[0].measurement - 1.0).abs();
-            if delta && spread >= 1e-4 {
-                let condition = path.condition(judge.scene);
-                seen.tail += 1;
-                seen.worst_tail = worse(seen.worst_tail, spread);
-                seen.worst_condition = worse(seen.worst_condition, condition);
-                seen.worst_ratio = worse(seen.worst_ratio, spread / condition);
-                require(spread < 2.0 * condition, "techniques measure differently");
-            } else {
-                seen.worst_identity = worse(seen.worst_identity, spread);
-                require(spread < 1e-4, "techniques measure differently");
-            }
-        }
-        seen
-    }
-
-    /// Both together.
-    #[must_use]
-    pub fn merge(self, o: Self) -> Self {
-        Self {
-            paths: self.paths + o.paths,
-            techniques: self.techniques + o.techniques,
-            with_delta: self.with_delta + o.with_delta,
-            techniques_with_delta: self.techniques_with_delta + o.techniques_with_delta,
-            tail: self.tail + o.tail,
-            worst_sum: worse(self.worst_sum, o.worst_sum),
-            worst_weight: worse(self.worst_weight, o.worst_weight),
-            worst_weight_over_condition: worse(self.worst_weight_over_condition, o.worst_weight_over_condition),
-            worst_contribution: worse(self.worst_contribution, o.worst_contribution),
-            worst_identity: worse(self.worst_identity, o.worst_identity),
-            worst_tail: worse(self.worst_tail, o.worst_tail),
-            worst_condition: worse(self.worst_condition, o.worst_condition),
-            worst_ratio: worse(self.worst_ratio, o.worst_ratio),
-            mixtures: self.mixtures + o.mixtures,
-            thinned: self.thinned + o.thinned,
-            blocked: self.blocked + o.blocked,
-            // Of two faults the one that cannot be told in numbers.
-            failure: if o.worst_sum.is_nan() { o.failure.or(self.failure) } else { self.failure.or(o.failure) },
-        }
     }
 }
 

@@ -99,20 +99,6 @@ impl FullPath {
         };
         (0..k).filter(|&i| self.joined != Some(i) && !self.windows[i]).map(edge).collect()
     }
-
-    /// Relative error that the rounding of stored points causes at delta vertices: that of a direction is ε over the
-    /// edge's length; Snell's law, cosθt² = 1 − (1 − cosθo²)/η², hands it on to the other cosine as
-    /// d cosθt/cosθt = cosθo d cosθo/(η² cosθt²).
-    pub fn condition<A: Accel>(&self, scene: &Scene<A>) -> f64 {
-        let mut sum = 0.0;
-        for (i, v) in (1..).zip(&self.inner).filter(|(_, v)| v.delta) {
-            for (end, edge) in [(i - 1, i - 1), (i + 1, i)] {
-                let cos = f64::from(self.direction(i, end).dot(v.at.ng).abs());
-                sum += f64::from(f32::EPSILON) / (self.distance_squared(scene, edge).sqrt() * cos * cos);
-            }
-        }
-        sum
-    }
 }
 
 /// The vertices of a walk and, if it left the scene, in which direction and whether through a window.

@@ -4,16 +4,16 @@
 //! Unlike the judge's own paths, these carry throughputs and partial sums along as a render does: densities come from
 //! sampled directions, not from the rounded points that the rays found.
 
-use super::Judge;
+use super::condition::Condition;
 use super::densities::Densities;
 use super::paths::{FullPath, Inner};
+use super::{Fault, Faults, Judge, Structural};
 use crate::accel::Accel;
 use crate::camera::LensNumbers;
-use crate::geometry::SurfacePoint;
 use crate::integrator::trace::{Arrived, Made, Step};
 use crate::integrator::{Integrator, PixelSample, Recorder, SampleLoop, Settings, Technique};
 use crate::light::LightPoint;
-use crate::math::{Vec3, distance_squared};
+use crate::math::Vec3;
 
 /// A path that a sample made, judged.
 #[derive(Clone, Copy, Debug)]
@@ -28,28 +28,27 @@ pub struct Compared {
     pub exact_weight: f64,
     /// The weighted contribution in f64, in the channel in which it is largest.
     pub value: f64,
-    /// How far the densities of its edges may be off by the rounding of their ends; see `condition`.
+    /// How far the densities of its edges may be off by the rounding of their ends; see `condition.rs`.
     pub condition: f64,
 }
 
-/// What came of a sample's paths.
+/// What came of samples' paths that were not judged.
 #[derive(Clone, Debug, Default)]
 pub struct Judged {
-    /// Those that were judged.
-    pub paths: Vec<Compared>,
     /// Paths that carry light and that the judge cannot tell, such as those seen edge-on.
     pub untold: u64,
-    /// What is wrong beyond rounding with the last path that has such a fault.
-    pub fault: Option<String>,
+    /// What is wrong beyond rounding.
+    pub faults: Faults,
 }
 
-/// Makes one sample of `bdpt` and judges its paths; those that are blocked are passed over.
+/// Makes one sample of `bdpt` and judges its paths, each of which `found` is told; those that are blocked are passed over.
 pub fn judge<A: Accel>(
     judge: &Judge<'_, A>,
     samples: &mut SampleLoop<'_, A>,
     sample: PixelSample,
     recorder: &mut Recorder<true>,
     out: &mut Judged,
+    found: &mut impl FnMut(&Compared),
 ) {
     recorder.clear();
     samples.sample(sample, recorder);
@@ -65,10 +64,10 @@ pub fn judge<A: Accel>(
             let survival = walks.survival(made);
             let path = walks.path(made).and_then(|path| path.with_lens(judge.scene));
             match path.map(|path| compare(judge, &path, made, survival)) {
-                Some(Ok(Some(compared))) => out.paths.push(compared),
+                Some(Ok(Some(compared))) => found(&compared),
                 Some(Ok(None)) => {}
-                Some(Err(fault)) if !fault.is_empty() => out.fault = Some(fault),
-                Some(Err(_)) | None => out.untold += u64::from(made.values.is_some()),
+                Some(Err(Some(fault))) => out.faults.push(fault),
+                Some(Err(None)) | None => out.untold += u64::from(made.values.is_some()),
             }
         } else {
             walks.follow(step);
@@ -84,15 +83,15 @@ pub fn settings(settings: Settings) -> Settings {
 /// `None` for a path that contributes nothing, or too little for an f32's digits.
 ///
 /// # Errors
-/// What is wrong; without words where the judge cannot tell the path's densities.
+/// What is wrong; nothing where the judge cannot tell the path's densities.
 fn compare<A: Accel>(
     judge: &Judge<'_, A>,
     path: &FullPath,
     made: &Made,
     survival: f64,
-) -> Result<Option<Compared>, String> {
+) -> Result<Option<Compared>, Option<Fault>> {
     let mut fault = None;
-    let Some(densities) = Densities::of(judge, path, &mut fault) else { return Err(fault.unwrap_or_default()) };
+    let Some(densities) = Densities::of(judge, path, &mut fault) else { return Err(fault) };
     let s = made.technique.s as usize;
     let exact = densities.contribution(s) / survival;
     let (exact_weight, largest) = (densities.weight(s), exact.max_element());
@@ -101,79 +100,14 @@ fn compare<A: Accel>(
         return Ok(None);
     }
     let Some([plain, _]) = made.values else {
-        return Err(format!("{:?} refuses a path that carries {largest:.1e}", made.technique));
+        let details = format!("{:?} carries {largest:.1e}", made.technique);
+        return Err(Some(Fault { kind: Structural::Refused, details }));
     };
     let channel = exact.to_array().iter().position(|x| *x == largest).unwrap_or(0);
     let contribution = f64::from(plain.to_array()[channel]) / largest - 1.0;
     let weight = made.weight() / exact_weight - 1.0;
-    let (condition, value) = (condition(judge, path), largest * exact_weight);
+    let (condition, value) = (Condition::of(judge, path).all, largest * exact_weight);
     Ok(Some(Compared { technique: made.technique, contribution, weight, exact_weight, value, condition }))
-}
-
-/// Rays start off their surface by the error bound of its point, beyond which they cannot meet it again, and end on points
-/// rounded to f32: the direction between the points of an edge of length d is not that of the ray, by these over d. A cosine c
-/// to a surface at its end then changes by 1/c of that relatively, and the density of a lobe of roughness α by 2/α of it (the
-/// slope of ln D of GGX and Beckmann is at most about that), that of a spot's directions by its slope; at a delta vertex Snell's law hands it on to the other cosine with
-/// another 1/c (see `FullPath::condition`). Summed over a path's edges.
-pub(super) fn condition<A: Accel>(judge: &Judge<'_, A>, path: &FullPath) -> f64 {
-    let k = path.inner.len() + 1;
-    let at_end = |v: usize, to: usize| match v {
-        0 => 1.0 / path.start.cos(path.direction(0, 1)) + light_slope(judge, path),
-        v if v == k => 1.0 + camera_slope(judge, path),
-        v => {
-            let inner = &path.inner[v - 1];
-            let cos = f64::from(inner.at.ng.dot(path.direction(v, to)).abs());
-            if inner.delta { 1.0 / (cos * cos) } else { 1.0 / cos + inner.bsdf.steepness() }
-        }
-    };
-    let edge = |i: usize| {
-        if i == 0 && matches!(path.start, LightPoint::Infinite(_)) {
-            return 0.0;
-        }
-        let size = f64::from(path.point(i).abs().max(path.point(i + 1).abs()).max_element());
-        let start =
-            |at: &SurfacePoint, to: usize, v: usize| f64::from((at.origin(path.direction(v, to)) - at.p()).length());
-        let starts = |v: usize, to: usize| match (v, &path.start) {
-            (0, LightPoint::Surface(at)) => start(at, to, v),
-            (0, _) => 0.0,
-            (v, _) if v == k => 0.0,
-            (v, _) => start(&path.inner[v - 1].at, to, v),
-        };
-        let off = f64::from(f32::EPSILON) * size + starts(i, i + 1).max(starts(i + 1, i));
-        // The points' own distance: that of parallel rays' edges is 1 in the densities.
-        let length = distance_squared(path.point(i), path.point(i + 1)).sqrt();
-        off / length * (at_end(i, i + 1) + at_end(i + 1, i))
-    };
-    (0..k).map(edge).sum()
-}
-
-/// The step of differences, in radians.
-const STEP: f32 = 1e-4;
-
-/// The largest change of a density's logarithm per radian as a direction is turned by `STEP`; `None` counts for nothing.
-fn slope(w: Vec3, density: f64, turned: impl Fn(Vec3) -> Option<f64>) -> f64 {
-    let (a, b) = w.any_orthonormal_pair();
-    let changes = [a, -a, b, -b].into_iter().filter_map(|t| Some((turned(t * STEP)? / density).ln().abs()));
-    changes.fold(0.0, super::worse) / f64::from(STEP)
-}
-
-/// How fast the density of a delta light's directions changes about the first edge; without bound at a spot's rim.
-fn light_slope<A: Accel>(judge: &Judge<'_, A>, path: &FullPath) -> f64 {
-    if !matches!(path.start, LightPoint::Delta(_)) {
-        return 0.0;
-    }
-    let light = &judge.scene.lights[path.light as usize];
-    let w = path.direction(0, 1);
-    let density = |w: Vec3| light.pdf_emission_direction(&path.start, w).0;
-    slope(w, density(w), |t| Some(density((w + t).normalize())))
-}
-
-/// How fast the camera's density changes about the last edge: with a filter that reaches over the image's edge, it falls there.
-fn camera_slope<A: Accel>(judge: &Judge<'_, A>, path: &FullPath) -> f64 {
-    let k = path.inner.len() + 1;
-    let (p, distance) = (path.point(k - 1), (path.point(k - 1) - path.camera).length());
-    let density = |p: Vec3| judge.scene.camera.sample_lens(p, &path.numbers).map(|lens| lens.pdf.0);
-    density(p).map_or(0.0, |here| slope(path.direction(k, k - 1), here, |t| density(p + t * distance)))
 }
 
 /// The two walks of a sample, as far as they have come.
@@ -225,7 +159,7 @@ impl Walks {
                 self.left = Some((*toward, *through_window));
             }
             Step::LightSampled { point, .. } => self.sampled = Some(*point),
-            Step::Left { .. } | Step::Ended(_) | Step::Made(_) => {}
+            Step::Left { .. } | Step::Ended(_) | Step::Made(_) | Step::Blocked { .. } => {}
         }
     }
 

@@ -115,6 +115,7 @@ fn weights_partition_unity_and_every_technique_measures_the_same() {
             seen.worst_condition,
             seen.worst_ratio
         );
+        assert!(seen.structural.count == 0, "{}", seen.structural);
         if let Some(failure) = seen.failure {
             panic!("{failure}");
         }
@@ -148,6 +149,6 @@ fn subpaths_that_are_not_traced_are_not_connected_to() {
     for (light_paths, connections) in [(0, 1), (1, 3)] {
         let judge = Judge::new(&scene, Settings { light_paths, connections, ..Settings::default() });
         let seen = (0..50_000).into_par_iter().map(|i| Seen::path(&judge, i)).reduce(Seen::default, Seen::merge);
-        assert!(seen.paths > 1000 && seen.failure.is_none(), "{seen:?}");
+        assert!(seen.paths > 1000 && seen.failure.is_none() && seen.structural.count == 0, "{seen:?}");
     }
 }
