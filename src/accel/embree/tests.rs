@@ -416,3 +416,55 @@ fn the_description_names_version_and_instruction_set() {
     let words: Vec<_> = description.split(' ').collect();
     assert!(matches!(words[..], ["embree", version, _] if version.starts_with("4.")), "{description}");
 }
+
+/// Rays through boxes of which three in four are planks, so that half of all triangles are slivers: with slivers apart, and all
+/// of them Embree's (docs/PERFORMANCE.md).
+#[test]
+#[ignore = "measures speed"]
+fn rates_with_slivers() {
+    for boxes in [20, 2000, 40_000] {
+        let (mut random, size) = (Random(7), 0.5 / (boxes as f32).cbrt());
+        let mut geometry = Geometry { slivers: true, ..Geometry::default() };
+        for i in 0..boxes {
+            let x = random.cube().normalize();
+            let y = x.cross(random.cube()).normalize();
+            let (z, at) = (x.cross(y), random.cube() * 0.9);
+            let size = if i % 4 == 0 { Vec3::splat(size) } else { Vec3::new(6.0, 0.2, 0.2) * size };
+            let base = geometry.positions.len() as u32;
+            let one = cube(Vec3::ZERO, 0.5);
+            geometry.positions.extend(one.positions.iter().map(|p| {
+                let p = *p * size;
+                at + x * p.x + y * p.y + z * p.z
+            }));
+            geometry.triangles.extend(one.triangles.iter().map(|t| t.map(|v| base + v)));
+        }
+        geometry.triangle_surface = vec![0; geometry.triangles.len()];
+        let thin = (0..geometry.triangles.len() as u32).filter(|&i| is_sliver(geometry.corners(i))).count();
+        let of = geometry.triangles.len();
+        let all_embrees = Geometry {
+            positions: geometry.positions.clone(),
+            triangles: geometry.triangles.clone(),
+            triangle_surface: geometry.triangle_surface.clone(),
+            ..Geometry::default()
+        };
+        let accels = [build(all_embrees), build(geometry)];
+        let rays: Vec<Ray> = (0..300_000).map(|_| Ray::segment(random.cube(), random.cube())).collect();
+        let ratio = |query: &dyn Fn(&EmbreeAccel, &Ray) -> bool| {
+            let mut ratios = [0; 7].map(|_| {
+                let [plain, apart] = [0, 1].map(|k| {
+                    let start = std::time::Instant::now();
+                    let met = rays.iter().filter(|ray| query(&accels[k], ray)).count();
+                    (start.elapsed().as_secs_f64(), met)
+                });
+                // A few rays along edges may differ.
+                assert!(plain.1.abs_diff(apart.1) < 30, "{} {}", plain.1, apart.1);
+                plain.0 / apart.0
+            });
+            ratios.sort_by(f64::total_cmp);
+            ratios[3]
+        };
+        let nearest = ratio(&|accel, ray| accel.intersect(ray).is_some());
+        let occluded = ratio(&|accel, ray| accel.occluded(ray));
+        println!("{of} triangles, {thin} slivers: nearest {nearest:.2}, occluded {occluded:.2} of the rate without");
+    }
+}
