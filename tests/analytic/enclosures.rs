@@ -135,7 +135,7 @@ fn the_integrating_sphere_is_one_within_a_fifth_of_a_percent() {
         let samples = match integrator {
             Integrator::Path => 1 << 16,
             Integrator::Light => 1 << 16,
-            Integrator::Bdpt => 1 << 13,
+            Integrator::Bdpt | Integrator::Auto => 1 << 13,
         };
         let what = format!("integrating sphere with roulette, {integrator:?}");
         is_one(&what, &integrating_sphere(&view), settings, samples, [2, 2], 0.002, 340 + n as u64);

@@ -39,7 +39,7 @@ fn samples(integrator: Integrator) -> u32 {
     match integrator {
         Integrator::Path => 1 << 12,
         Integrator::Light => 1 << 14,
-        Integrator::Bdpt => 1 << 10,
+        Integrator::Bdpt | Integrator::Auto => 1 << 10,
     }
 }
 
@@ -192,7 +192,7 @@ fn a_shell_around_all_quarters_light_from_infinity() {
         let (more, tile, mean) = match integrator {
             Integrator::Path => (2, 0.05, 0.025),
             Integrator::Light => (4, 0.12, 0.04),
-            Integrator::Bdpt => (4, 0.05, 0.025),
+            Integrator::Bdpt | Integrator::Auto => (4, 0.05, 0.025),
         };
         let budget = Budget::new(more * samples(integrator), 435 + n as u64);
         let images = images(&scene, settings(integrator, 4), budget);
