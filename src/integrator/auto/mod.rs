@@ -4,8 +4,7 @@
 //! `SCOUT` of them say how bright the image is about where; over the others a survey carries the sums of weights that other
 //! numbers of light subpaths and connections would have (`LANES`), and so learns from one and the same samples what the
 //! variance would have been with each of them, those of paths included that a lane can hardly make: the pilot finds them
-//! with another technique (after Grittmann, Yazici, Georgiev, Slusallek 2022, "Efficiency-aware multiple importance
-//! sampling for bidirectional rendering algorithms"). Cost is counted work: rays by kind, with fixed weights. The lane of
+//! with another technique (after [Grittmann22]). Cost is counted work: rays by kind, with fixed weights. The lane of
 //! the least variance × cost renders the rest, with visibility rays traced by what they are worth (`worth`).
 //!
 //! The plan depends on scene, settings and seed alone: no clock and no thread is asked, and every image of the pilot is the

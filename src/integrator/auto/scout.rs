@@ -4,8 +4,7 @@
 //! of a pixel come from ever other samples, however alike they are. What a camera subpath gathers in one sample is nearly
 //! the same in the next where light is smooth (direct light most of all): its variance is a small part of its second
 //! moment, and its techniques deserve a weight larger by that part's reciprocal; or splats a smaller one, which is the same
-//! (Grittmann, Georgiev, Slusallek, Křivánek 2019, "Variance-aware multiple importance sampling", with one factor per
-//! length of path). Whatever the factors, the weights of a path sum to one.
+//! ([Grittmann19], with one factor per length of path). Whatever the factors, the weights of a path sum to one.
 
 use super::LEFT_OF_DIRECT;
 use crate::integrator::recorder::Noted;
