@@ -172,7 +172,7 @@ impl<S: Sums> Bdpt<S> {
         let key = u64::from(sample.key(scene.camera.resolution()));
         let phase = (mix(self.settings.seed ^ mix(key)) % u64::from(one_in)) as u32;
         let place = sample.index.wrapping_add(phase);
-        place.is_multiple_of(one_in).then_some(place / one_in)
+        (place % one_in == 0).then_some(place / one_in)
     }
 
     fn sampler<A: Accel>(&self, scene: &Scene<A>, sample: PixelSample, stream: Stream) -> Sampler {
