@@ -11,7 +11,7 @@ use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
 use crate::integrator::Settings;
 use crate::scene::{Memory, Prepared, Scene, prepare};
-use crate::stress::{bytes_per_sample, precision};
+use crate::stress::{bytes_of_steps, precision};
 
 pub fn run(args: &PrecisionArgs) -> Result<(), Failure> {
     let limit = Limit::sensible();
@@ -38,8 +38,7 @@ pub fn run(args: &PrecisionArgs) -> Result<(), Failure> {
 
 /// Checks the scene and the steps of one sample for each thread: what is found of their paths takes no more with their number.
 fn check(args: &PrecisionArgs, scene: &Memory, max_bounces: u32, limit: Limit) -> Result<(), Failure> {
-    let threads = rayon::current_num_threads() as u64;
-    let steps = bytes_per_sample(max_bounces).saturating_mul(threads);
+    let steps = bytes_of_steps(max_bounces);
     let (_, peak) = scene.peak(args.accel.footprint(), steps);
     let peak = peak.saturating_add(PROGRAM);
     if peak <= limit.bytes {

@@ -14,7 +14,7 @@ mod report;
 pub use case::{Case, Expected};
 pub use cases::cases;
 pub use measure::{Audit, Measured, Run, WEIGHTS, audit, faults_of_weights, measure, weights};
-pub use precision::{Precision, bytes_per_sample, precision};
+pub use precision::{Precision, bytes_of_steps, precision};
 pub use report::{HEADING, LEGEND, Report, Row};
 
 use std::collections::HashMap;

@@ -61,12 +61,13 @@ impl Both {
     }
 }
 
-/// Bytes that a sample's steps may take while it is judged, with paths that scatter at most so many times: one for each
-/// technique that makes a path, and those of the walks.
-pub fn bytes_per_sample(max_bounces: u32) -> u64 {
+/// Bytes that the steps of a sample on each thread may take while they are judged, with paths that scatter at most so many
+/// times: one step for each technique that makes a path, and those of the walks.
+pub fn bytes_of_steps(max_bounces: u32) -> u64 {
     let edges = u64::from(max_bounces) + 1;
     let techniques = edges.saturating_mul(edges + 3) / 2;
-    techniques.saturating_add(8 * edges).saturating_mul(size_of::<Step>() as u64)
+    let steps = techniques.saturating_add(8 * edges);
+    steps.saturating_mul(size_of::<Step>() as u64).saturating_mul(rayon::current_num_threads() as u64)
 }
 
 /// Makes `samples` samples of each pixel by `bdpt` and judges their paths; of the settings those that can be.
