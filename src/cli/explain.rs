@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::figures;
 use crate::integrator::auto::{Lane, PILOT, Plan, SCOUT};
-use crate::integrator::{LENGTHS, Settings};
+use crate::integrator::{Integrator, LENGTHS, Settings};
 use crate::scene::SceneNeeds;
 
 /// A lane in words.
@@ -36,7 +36,11 @@ pub fn page(settings: &Settings, plan: Option<&Plan>, needs: &SceneNeeds) -> Str
         let _ = writeln!(out, "  {line}");
     }
     let Some(plan) = plan else {
-        let _ = writeln!(out, "nothing was chosen: {} was asked for", super::settings::name(settings.integrator));
+        let why = match settings.integrator {
+            Integrator::Auto => format!("auto chooses after {PILOT} samples of each pixel, by bdpt"),
+            other => format!("{} was asked for", super::settings::name(other)),
+        };
+        let _ = writeln!(out, "nothing was chosen: {why}");
         return out;
     };
     if let Some(why) = plan.exact {
@@ -61,9 +65,7 @@ pub fn page(settings: &Settings, plan: Option<&Plan>, needs: &SceneNeeds) -> Str
         );
     }
     if plan.findings.iter().any(|f| f.variance.is_infinite()) {
-        out.push_str(
-            "  (inf: without light subpaths, caustics of point, spot or directional lights would be missing)\n",
-        );
+        out.push_str("  (inf: what mirrors and smooth glass throw might be found too seldom by it, or never)\n");
     }
     let trust = (1..=LENGTHS as u32).map(|edges| figures(plan.survey.splat_confidence.on(edges)));
     let _ = writeln!(

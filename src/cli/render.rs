@@ -16,6 +16,7 @@ use crate::accel::embree::EmbreeAccel;
 use crate::accel::{Accel, AccelOptions};
 use crate::film::Accumulator;
 use crate::import::{self, ImportError};
+use crate::integrator::auto::Plan;
 use crate::integrator::{Crop, Integrator, Reason, Settings};
 use crate::output::{self, Format, Metadata, Window};
 use crate::render::{Aov, AovJob, Extras, RenderJob, Rendered, render_with};
@@ -243,7 +244,7 @@ impl Run<'_> {
         phases.render = start.elapsed();
 
         let start = Instant::now();
-        let metadata = self.metadata(&scene.accel.describe());
+        let metadata = self.metadata(&scene.accel.describe(), rendered.plan.as_ref());
         let exposure = args.exposure.unwrap_or(0.0);
         for path in &self.outputs {
             output::write_with_layers(path, &rendered.image, &layers, &metadata, exposure).map_err(Failure::other)?;
@@ -293,7 +294,7 @@ impl Run<'_> {
     }
 
     /// What made the image, and only what the same command makes again: nothing that varies from run to run.
-    fn metadata(&self, accel: &str) -> Metadata {
+    fn metadata(&self, accel: &str, plan: Option<&Plan>) -> Metadata {
         let s = &self.settings;
         let resolution = self.desc.camera.resolution;
         let lower = |x: &dyn std::fmt::Debug| format!("{x:?}").to_lowercase();
@@ -308,10 +309,15 @@ impl Run<'_> {
             ("twinlight:heuristic", lower(&s.heuristic)),
             ("twinlight:max_bounces", s.max_bounces.to_string()),
             ("twinlight:roulette", s.roulette.to_string()),
-            ("twinlight:light_paths", s.light_paths.to_string()),
-            ("twinlight:connections", s.connections.to_string()),
             ("twinlight:accel", accel.into()),
         ];
+        if s.integrator != Integrator::Auto {
+            attributes.push(("twinlight:light_paths", s.light_paths.to_string()));
+            attributes.push(("twinlight:connections", s.connections.to_string()));
+        }
+        if let Some(plan) = plan {
+            attributes.push(("twinlight:plan", explain::json(plan).to_string()));
+        }
         if let Some(n) = s.roulette_after {
             attributes.push(("twinlight:roulette_after", n.to_string()));
         }

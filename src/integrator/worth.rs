@@ -12,6 +12,7 @@
 //! The brightness is that of blocks of pixels in a pilot (`integrator::auto`): a number that knows nothing of the samples
 //! it decides about.
 
+use super::auto::block;
 use crate::math::Rgb;
 use crate::planted::{Bug, planted};
 use crate::sampling::{Coins, Sampler};
@@ -19,8 +20,6 @@ use crate::sampling::{Coins, Sampler};
 /// What a visibility ray must be able to add to a pixel to be traced for certain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Thresholds {
-    /// Side of a block in pixels.
-    block: u32,
     /// Blocks in a row.
     columns: u32,
     /// 1/δ per block and channel.
@@ -28,15 +27,14 @@ pub struct Thresholds {
 }
 
 impl Thresholds {
-    /// By what brings √(μ² + ε) of each block (row-major, `columns` to a row of blocks of `block` pixels) to 1, and
-    /// δ of pixels of that brightness 1.
-    pub fn new(block: u32, columns: u32, scale: &[Rgb], delta: f32) -> Self {
-        Self { block, columns, reciprocal: scale.iter().map(|s| *s / delta).collect() }
+    /// By what brings √(μ² + ε) of each block (row-major, `columns` to a row) to 1, and δ of pixels of that brightness 1.
+    pub fn new(columns: u32, scale: &[Rgb], delta: f32) -> Self {
+        Self { columns, reciprocal: scale.iter().map(|s| *s / delta).collect() }
     }
 
     #[inline]
-    fn at(&self, [x, y]: [u32; 2]) -> Rgb {
-        self.reciprocal[(y / self.block * self.columns + x / self.block) as usize]
+    fn at(&self, pixel: [u32; 2]) -> Rgb {
+        self.reciprocal[block(pixel, self.columns, self.reciprocal.len())]
     }
 }
 
@@ -65,9 +63,10 @@ impl RayRoulette {
     #[inline]
     pub fn visible(&mut self, value: Rgb, trace: impl FnOnce() -> f32) -> f32 {
         let Some(reciprocal) = self.reciprocal else { return trace() };
-        let q = (value * reciprocal).max_element();
-        // Written so that a NaN is traced: the gate before the film has to see it.
-        if q < 1.0 {
+        let worth = value * reciprocal;
+        // Written so that a NaN in any channel is traced: the gate before the film has to see it.
+        if worth.cmplt(Rgb::ONE).all() {
+            let q = worth.max_element();
             let divisor = if planted(Bug::RayRouletteUncompensated) { 1.0 } else { q };
             return if self.coins.flip() < q { trace() / divisor } else { 0.0 };
         }
@@ -83,13 +82,13 @@ mod tests {
     /// What is kept makes up for what is not: below the threshold, at it and above, in every channel's own units.
     #[test]
     fn the_mean_stays() {
-        // Two blocks of 4 pixels, the second in a second row.
-        let thresholds = Thresholds::new(4, 1, &[Rgb::new(1.0, 2.0, 4.0), Rgb::splat(0.5)], 0.1);
+        // Two blocks, the second in a second row.
+        let thresholds = Thresholds::new(1, &[Rgb::new(1.0, 2.0, 4.0), Rgb::splat(0.5)], 0.1);
         for (pixel, value, q) in [
             ([3, 3], Rgb::new(0.05, 0.0, 0.0), 0.5),
             ([0, 0], Rgb::new(0.001, 0.001, 0.005), 0.2),
             ([2, 1], Rgb::splat(3.0), 1.0),
-            ([1, 4], Rgb::new(0.02, 0.06, 0.0), 0.3),
+            ([1, 9], Rgb::new(0.02, 0.06, 0.0), 0.3),
         ] {
             let (n, mut asked, mut sum) = (100_000_u32, 0, 0.0);
             for i in 0..n {
@@ -114,9 +113,13 @@ mod tests {
     fn without_thresholds_every_ray_is_traced_and_nan_always() {
         let mut roulette = RayRoulette::new(&Sampler::new(SamplerKind::Sobol, 5, 7, Stream::Camera, 0));
         assert_eq!(roulette.visible(Rgb::splat(1e-30), || 1.0), 1.0);
-        let thresholds = Thresholds::new(8, 1, &[Rgb::ONE], 1e30);
+        let thresholds = Thresholds::new(1, &[Rgb::ONE], 1e30);
         roulette.turn_to(Some(&thresholds), [0, 0]);
-        assert_eq!(roulette.visible(Rgb::splat(f32::NAN), || 1.0), 1.0);
+        for channel in 0..3 {
+            let mut value = Rgb::ZERO;
+            value[channel] = f32::NAN;
+            assert_eq!(roulette.visible(value, || 1.0), 1.0, "channel {channel}");
+        }
         assert_eq!(roulette.visible(Rgb::ZERO, || 1.0), 0.0);
     }
 }

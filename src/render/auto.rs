@@ -50,7 +50,8 @@ impl<A: Accel> Run<'_, A> {
     pub(super) fn auto(&self) -> Option<Plan> {
         let (job, scene) = (self.job, self.scene);
         let samples = job.samples;
-        if let Err((lane, why)) = undecided(&job.settings, &scene.needs) {
+        if let Err((lane, why)) = undecided(&job.settings, &scene.needs, Crop::full(scene.camera.resolution()).pixels())
+        {
             let plan = Plan::exact(&job.settings, lane, why);
             self.pass(0..samples, || SampleLoop::new(scene, plan.settings), || ());
             return Some(plan);
@@ -61,7 +62,13 @@ impl<A: Accel> Run<'_, A> {
             // What is learnt of the full image holds for a crop: the crop has the full image's bits. And few samples are
             // the first of many.
             let plan = match samples > SCOUT {
-                true => Some(plan(scene, &job.settings, self.progress)?),
+                true => match plan(scene, &job.settings, self.progress) {
+                    None => {
+                        self.stopped.store(true, Ordering::Relaxed);
+                        return None;
+                    }
+                    plan => plan,
+                },
                 false => None,
             };
             let by_scout = || SampleLoop::new(scene, scout(&job.settings));
@@ -120,7 +127,7 @@ pub fn made_by<A: Accel>(
     if settings.integrator != Integrator::Auto {
         return Ok((*settings, None));
     }
-    if let Err((lane, why)) = undecided(settings, &scene.needs) {
+    if let Err((lane, why)) = undecided(settings, &scene.needs, Crop::full(scene.camera.resolution()).pixels()) {
         return Ok((Plan::exact(settings, lane, why).settings, None));
     }
     let plan = pool(0)?.install(|| plan(scene, settings, &|_| true));

@@ -86,7 +86,6 @@ fn what_auto_chooses_leaves_the_mean() {
         ("light subpaths for one sample in 4", Settings { light_one_in: 4, ..base() }),
         ("splats distrusted", Settings { splat_confidence, ..base() }),
         ("all of them", all),
-        ("auto", Settings { integrator: Integrator::Auto, roulette: true, ..base() }),
     ]
     .into_iter()
     .enumerate()
@@ -94,6 +93,15 @@ fn what_auto_chooses_leaves_the_mean() {
         let images = images(&scene, settings, Budget::new(1 << 11, 671 + n as u64));
         assert_same(what, &images, &reference, bounds());
     }
+    // More pixels, for in few there is nothing to learn: and something is learnt.
+    let scene = crate::common::scene(&room([16, 16]));
+    let auto = Settings { integrator: Integrator::Auto, roulette: true, ..base() };
+    let crop = Crop::full([16, 16]);
+    let job = RenderJob { settings: auto, samples: 8, crop, threads: 1, pyramid: None };
+    let plan = render_job(&scene, &job).plan.expect("a plan");
+    assert!(plan.exact.is_none() && plan.thresholds.is_some() && plan.findings.len() == 8, "{plan:?}");
+    let images_of_auto = images(&scene, auto, Budget::new(1 << 6, 681));
+    assert_same("auto", &images_of_auto, &images(&scene, base(), Budget::new(1 << 7, 682)), bounds());
 }
 
 /// Long paths without a limit that matters: roulette alone ends them.

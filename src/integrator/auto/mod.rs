@@ -21,9 +21,10 @@ pub use survey::{Survey, Tally};
 use std::sync::Arc;
 
 use super::bdpt::CANDIDATES;
-use super::{Integrator, Rays, Settings, Thresholds};
+use super::{Integrator, PathClass, Rays, Settings, SplatConfidence, Thresholds};
 use crate::film::Image;
 use crate::math::Rgb;
+use crate::sampling::SamplerKind;
 use crate::scene::SceneNeeds;
 use crate::scene::desc::Heuristic;
 
@@ -31,6 +32,8 @@ use crate::scene::desc::Heuristic;
 pub const SCOUT: u32 = 2;
 /// Samples of each pixel after which the plan is made.
 pub const PILOT: u32 = 4;
+
+const _: () = assert!(SCOUT == 2 && PILOT >= SCOUT + 2);
 
 /// How light subpaths are spent: one in `one_in` camera samples has `light_paths` of them and is connected to
 /// `connections` of these.
@@ -68,7 +71,7 @@ pub const LANES: [Lane; CANDIDATES] = [
 ];
 
 /// Pixels on a side of the blocks that brightness is known of.
-const BLOCK: u32 = 8;
+pub(super) const BLOCK: u32 = 8;
 
 /// What of the variance of a sample's direct light (paths of up to 2 edges) is left where many samples are taken: points
 /// of a net integrate it, smooth as it is and of few dimensions, far better than independent ones do. (Direct light of the
@@ -77,8 +80,18 @@ const LEFT_OF_DIRECT: f64 = 0.1;
 /// The same of longer paths.
 const LEFT_OF_REST: f64 = 0.5;
 
-/// Keeps relative errors finite in the dark: as `compare::metrics` has it.
-const EPSILON: f64 = 1e-2;
+/// Keeps relative errors finite in the dark: this part of the image's mean, so that no unit of radiance matters.
+const DARK: f64 = 0.5;
+
+/// A block is no brighter than this many times its median pixel: lamps that are seen in it, and samples that stand out, say
+/// nothing of its other pixels.
+const ABOVE_MEDIAN: f64 = 3.0;
+
+/// Images of fewer pixels have too few samples to learn from.
+const LEAST_PIXELS: u64 = 256;
+
+/// No visibility ray that could add more than this part of a pixel's brightness is left to roulette.
+const MOST_DELTA: f64 = 0.2;
 
 /// How bright the image is about where, as the scale that makes errors relative.
 #[derive(Clone, Debug)]
@@ -89,29 +102,47 @@ pub struct Brightness {
 }
 
 impl Brightness {
-    /// Of an image, however noisy: of its blocks' means.
+    /// Of an image, however noisy.
     pub fn of(image: &Image) -> Self {
-        let (columns, rows) = (image.width.div_ceil(BLOCK), image.height.div_ceil(BLOCK));
-        let mut sums = vec![[0.0_f64; 4]; (columns * rows) as usize];
+        let (columns, rows) = ((image.width / BLOCK).max(1), (image.height / BLOCK).max(1));
+        let mut blocks = vec![[const { Vec::new() }; 3]; (columns * rows) as usize];
         for (i, pixel) in image.rgb.iter().enumerate() {
             let (x, y) = (i as u32 % image.width, i as u32 / image.width);
-            let sum = &mut sums[(y / BLOCK * columns + x / BLOCK) as usize];
-            for (s, c) in sum.iter_mut().zip(pixel) {
-                *s += f64::from(*c);
+            let block = (y / BLOCK).min(rows - 1) * columns + (x / BLOCK).min(columns - 1);
+            for (values, c) in blocks[block as usize].iter_mut().zip(pixel) {
+                values.push(f64::from(*c));
             }
-            sum[3] += 1.0;
         }
-        let scale = sums.iter().map(|[r, g, b, n]| {
-            let relative = |sum: f64| (1.0 / (sum / n * (sum / n) + EPSILON).sqrt()) as f32;
-            Rgb::new(relative(*r), relative(*g), relative(*b))
-        });
-        Self { columns, scale: scale.collect() }
+        let levels: Vec<[f64; 3]> = blocks.into_iter().map(|block| block.map(level)).collect();
+        let dark = DARK * levels.iter().flatten().sum::<f64>() / (3 * levels.len()) as f64;
+        // Of a black image nothing is relative.
+        let relative = |level: f64| if dark > 0.0 { (1.0 / (level * level + dark * dark).sqrt()) as f32 } else { 0.0 };
+        Self { columns, scale: levels.iter().map(|l| Rgb::from_array(l.map(relative))).collect() }
     }
 
     /// What makes an error of this pixel relative.
     #[inline]
-    fn at(&self, [x, y]: [u32; 2]) -> Rgb {
-        self.scale[(y / BLOCK * self.columns + x / BLOCK) as usize]
+    fn at(&self, pixel: [u32; 2]) -> Rgb {
+        self.scale[block(pixel, self.columns, self.scale.len())]
+    }
+}
+
+/// The index of a pixel's block among so many, of which `columns` stand in a row; the last of a row or column reach to the
+/// image's edge.
+#[inline]
+pub(super) fn block([x, y]: [u32; 2], columns: u32, blocks: usize) -> usize {
+    let row = ((y / BLOCK) as usize).min(blocks / columns as usize - 1);
+    row * columns as usize + (x / BLOCK).min(columns - 1) as usize
+}
+
+/// The mean of a channel, but for what stands out.
+fn level(mut values: Vec<f64>) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.sort_by(f64::total_cmp);
+    match values[values.len() / 2] {
+        median if median > 0.0 => mean.min(ABOVE_MEDIAN * median),
+        // More than half of it is black, or seems so yet.
+        _ => mean,
     }
 }
 
@@ -119,7 +150,7 @@ impl Brightness {
 ///
 /// # Errors
 /// The lane that the scene or the settings leave, and the reason in words.
-pub fn undecided(settings: &Settings, needs: &SceneNeeds) -> Result<(), (Lane, &'static str)> {
+pub fn undecided(settings: &Settings, needs: &SceneNeeds, pixels: u64) -> Result<(), (Lane, &'static str)> {
     let bdpt = LANES[0];
     let path = LANES[1];
     if !needs.light {
@@ -127,6 +158,12 @@ pub fn undecided(settings: &Settings, needs: &SceneNeeds) -> Result<(), (Lane, &
     }
     if !needs.connections {
         return Err((path, "no surface can be connected to: light subpaths would be of no use"));
+    }
+    if settings.only.is_some() || !settings.weighted || settings.class != PathClass::default() {
+        return Err((bdpt, "single techniques are asked for"));
+    }
+    if pixels < LEAST_PIXELS {
+        return Err((bdpt, "the image has too few pixels to learn from"));
     }
     if settings.heuristic == Heuristic::Uniform {
         return Err((bdpt, "the uniform heuristic weighs all techniques the same, however many samples they take"));
@@ -183,9 +220,9 @@ impl Plan {
 
     /// The plan of a pilot whose last samples had these settings.
     pub fn learnt(survey: Settings, needs: &SceneNeeds, brightness: &Brightness, tally: &Tally, rays: &Rays) -> Self {
-        let variances = tally.variances();
-        // What only light subpaths can find may have been missed by the few of a pilot.
-        let light_alone = needs.delta_lights && (needs.delta_surfaces || needs.windows);
+        let variances = tally.variances(left(survey.sampler));
+        // What only light subpaths find well may have been missed by the few of a pilot.
+        let light_alone = needs.delta_surfaces || needs.delta_lights && needs.windows;
         let findings: Vec<Finding> = LANES
             .iter()
             .zip(variances)
@@ -196,11 +233,11 @@ impl Plan {
             })
             .collect();
         let work = |f: &Finding| f.variance * f.cost;
-        let best = findings.iter().min_by(|a, b| work(a).total_cmp(&work(b))).copied();
-        let best = best.filter(|f| work(f).is_finite()).unwrap_or(findings[0]);
-        let delta = (best.variance * cost::RAY / best.cost).sqrt();
+        let known = findings.iter().filter(|f| work(f).is_finite());
+        let best = known.min_by(|a, b| work(a).total_cmp(&work(b))).copied().unwrap_or(findings[0]);
+        let delta = (best.variance * cost::RAY / best.cost).sqrt().min(MOST_DELTA);
         let thresholds = (delta > 0.0 && delta.is_finite() && survey.roulette)
-            .then(|| Arc::new(Thresholds::new(BLOCK, brightness.columns, &brightness.scale, delta as f32)));
+            .then(|| Arc::new(Thresholds::new(brightness.columns, &brightness.scale, delta as f32)));
         Self { survey, settings: along(&survey, best.lane), thresholds, lane: best.lane, findings, delta, exact: None }
     }
 }
@@ -219,12 +256,21 @@ impl Plan {
 
 /// The settings of the scout's samples.
 pub fn scout(settings: &Settings) -> Settings {
-    along(settings, LANES[0])
+    // Direct light is smooth nearly everywhere: what splats add to it is noise.
+    Settings { splat_confidence: SplatConfidence::new([0.01, 0.01, 1.0, 1.0, 1.0, 1.0]), ..along(settings, LANES[0]) }
+}
+
+/// What is left of the variance of direct light and of longer paths by this sampler's points.
+fn left(sampler: SamplerKind) -> [f64; 2] {
+    match sampler {
+        SamplerKind::Sobol => [LEFT_OF_DIRECT, LEFT_OF_REST],
+        SamplerKind::Independent => [1.0; 2],
+    }
 }
 
 /// The settings of the survey's samples, by what the scout has seen.
 pub fn survey(settings: &Settings, scattering: &Scattering) -> Settings {
-    Settings { splat_confidence: scattering.confidence(), ..along(settings, LANES[0]) }
+    Settings { splat_confidence: scattering.confidence(left(settings.sampler)[0]), ..along(settings, LANES[0]) }
 }
 
 /// Settings with the light subpaths of a lane.

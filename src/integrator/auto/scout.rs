@@ -6,10 +6,9 @@
 //! moment, and its techniques deserve a weight larger by that part's reciprocal; or splats a smaller one, which is the same
 //! ([Grittmann19], with one factor per length of path). Whatever the factors, the weights of a path sum to one.
 
-use super::LEFT_OF_DIRECT;
 use crate::integrator::recorder::Noted;
 use crate::integrator::{LENGTHS, SplatConfidence};
-use crate::math::Rgb;
+use crate::math::{DVec3, Rgb};
 
 /// Splats are never trusted less: they may be all there is.
 const LEAST: f64 = 1e-3;
@@ -31,12 +30,13 @@ impl std::ops::AddAssign for Scattering {
 }
 
 impl Scattering {
-    /// Variance over second moment for paths of 1, 2, … edges.
-    pub fn confidence(&self) -> SplatConfidence {
+    /// Variance over second moment for paths of 1, 2, … edges, of direct light's variance so much being left.
+    pub fn confidence(&self, left_of_direct: f64) -> SplatConfidence {
         SplatConfidence::new(std::array::from_fn(|i| {
-            // Where camera subpaths have found nothing, nothing is known against splats.
-            let part = if self.moment[i] > 0.0 { self.variance[i] / self.moment[i] } else { 1.0 };
-            let part = if i < 2 { LEFT_OF_DIRECT * part } else { part };
+            // Where camera subpaths have found nothing, or what no f64 holds, nothing is known against splats.
+            let part = self.variance[i] / self.moment[i];
+            let part = if part.is_finite() { part } else { 1.0 };
+            let part = if i < 2 { left_of_direct * part } else { part };
             part.clamp(LEAST, 1.0) as f32
         }))
     }
@@ -53,7 +53,7 @@ impl Scout {
     /// Takes in what a sample of a pixel was noted to have made.
     pub fn sample(&mut self, notes: impl Iterator<Item = Noted>) {
         let mut sum = [Rgb::ZERO; LENGTHS];
-        for note in notes.filter(|note| note.splat.is_none()) {
+        for note in notes.filter(|note| note.splat.is_none() && note.value.is_finite()) {
             let edges = (note.technique.s + note.technique.t - 1) as usize;
             sum[(edges - 1).min(LENGTHS - 1)] += note.value;
         }
@@ -62,13 +62,13 @@ impl Scout {
             return;
         };
         // Relative to what the pixel's two samples are, so that no bright one speaks for all.
-        let pixel = (first.iter().sum::<Rgb>() + sum.iter().sum::<Rgb>()) / 2.0;
-        let scale = 1.0 / (pixel * pixel + 1e-2);
+        let all = |samples: &[Rgb; LENGTHS]| samples.iter().map(|x| x.as_dvec3()).sum::<DVec3>();
+        let pixel = all(&first) + all(&sum);
+        let scale = (1.0 / pixel).map(|x| if x.is_finite() { x } else { 0.0 });
         for i in 0..LENGTHS {
-            let (a, b) = (first[i], sum[i]);
-            let relative = |x: Rgb| f64::from((x * scale).element_sum());
-            self.seen.variance[i] += relative((a - b) * (a - b)) / 2.0;
-            self.seen.moment[i] += relative(a * a + b * b) / 2.0;
+            let (a, b) = (first[i].as_dvec3() * scale, sum[i].as_dvec3() * scale);
+            self.seen.variance[i] += (a - b).length_squared() / 2.0;
+            self.seen.moment[i] += (a.length_squared() + b.length_squared()) / 2.0;
         }
     }
 

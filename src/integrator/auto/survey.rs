@@ -12,29 +12,33 @@
 //! ```
 //!
 //! their second moment. What light subpaths splat onto a pixel comes from ever other samples; its variance is its second
-//! moment. Where one in m samples has light subpaths, their connections' Y adds (m − 1) E[Y²] to the variance, Y being what a
-//! sample would have if each had one m-th of them.
+//! moment. Where one in m samples has light subpaths, their connections' Y adds (m − 1) Var Y to the variance, Y being what a
+//! sample would have if each had one m-th of them: which samples have them is systematic.
 
-use super::{Brightness, LANES, LEFT_OF_DIRECT, LEFT_OF_REST};
+use super::{Brightness, LANES};
 use crate::integrator::bdpt::CANDIDATES;
 use crate::integrator::recorder::Noted;
 use crate::math::Rgb;
 use crate::scene::desc::Heuristic;
 
-/// Paths that a lane makes this many times as seldom as the pilot are none of its samples'.
-const SELDOM: f64 = 4.0;
+/// Paths that a lane makes this many times as seldom as the pilot are none of its samples'. Above what a lane of one sample
+/// in 4 does to the paths that light subpaths alone make.
+const SELDOM: f64 = 6.0;
 
 /// Samples of a pixel in a survey.
 const SAMPLES: usize = (super::PILOT - super::SCOUT) as usize;
+
+/// Direct light, longer paths, and of these the connections of lanes that thin them.
+const PARTS: usize = 3;
 
 /// Sums over a survey's pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
     /// Pixels.
     pixels: f64,
-    /// Σ over pixels of a sample's variance, as a camera sample makes it.
-    camera: [f64; CANDIDATES],
-    /// Σ over samples of squares: splats, thinned connections, and what a lane makes seldom.
+    /// Σ over pixels of the variance of a camera sample's parts, the second one's with the third in it.
+    camera: [[f64; PARTS]; CANDIDATES],
+    /// Σ over samples of squares: splats, and what a lane makes seldom.
     moments: [f64; CANDIDATES],
 }
 
@@ -42,16 +46,24 @@ impl std::ops::AddAssign for Tally {
     fn add_assign(&mut self, o: Self) {
         self.pixels += o.pixels;
         for i in 0..CANDIDATES {
-            self.camera[i] += o.camera[i];
             self.moments[i] += o.moments[i];
+            for part in 0..PARTS {
+                self.camera[i][part] += o.camera[i][part];
+            }
         }
     }
 }
 
 impl Tally {
-    /// Of each lane, the mean over pixels of one sample's relative variance.
-    pub fn variances(&self) -> [f64; CANDIDATES] {
-        std::array::from_fn(|i| (self.camera[i] + self.moments[i] / SAMPLES as f64) / self.pixels)
+    /// Of each lane, the mean over pixels of one sample's relative variance, so much of the variance of direct light and of
+    /// longer paths being left by the sampler.
+    pub fn variances(&self, [direct, rest]: [f64; 2]) -> [f64; CANDIDATES] {
+        std::array::from_fn(|i| {
+            let [near, far, thinned] = self.camera[i];
+            // Which samples have light subpaths is systematic: only what differs between them counts (m − 1 times).
+            let more = f64::from(LANES[i].one_in - 1) * thinned;
+            (direct * near + rest * (far + more) + self.moments[i] / SAMPLES as f64) / self.pixels
+        })
     }
 }
 
@@ -60,8 +72,8 @@ impl Tally {
 pub struct Survey<'a> {
     brightness: &'a Brightness,
     heuristic: Heuristic,
-    /// The lanes' samples of the pixel under way, relative to its brightness: direct light, and the rest.
-    samples: [[[Rgb; 2]; CANDIDATES]; SAMPLES],
+    /// The lanes' samples of the pixel under way by parts, relative to its brightness.
+    samples: [[[Rgb; PARTS]; CANDIDATES]; SAMPLES],
     /// How many of them are done.
     done: usize,
     tally: Tally,
@@ -70,7 +82,7 @@ pub struct Survey<'a> {
 /// Square of a relative contribution, mean over channels.
 #[inline]
 fn square(x: Rgb) -> f64 {
-    f64::from(x.length_squared()) / 3.0
+    x.as_dvec3().length_squared() / 3.0
 }
 
 impl<'a> Survey<'a> {
@@ -88,18 +100,21 @@ impl<'a> Survey<'a> {
     /// Takes in what a sample of `pixel` was noted to have made.
     pub fn sample(&mut self, pixel: [u32; 2], notes: impl Iterator<Item = Noted>) {
         let own_scale = self.brightness.at(pixel);
-        let mut connected = [Rgb::ZERO; CANDIDATES];
-        for note in notes {
-            let scale = note.splat.map_or(own_scale, |pixel| self.brightness.at(pixel));
-            let value = note.value * scale;
+        // What the gate before the film has kept out says nothing, nor does what is nothing.
+        for note in notes.filter(|note| note.value.is_finite() && note.value != Rgb::ZERO) {
+            let value = note.value * note.splat.map_or(own_scale, |pixel| self.brightness.at(pixel));
             let total = note.own[0] + note.others[0];
-            let far = usize::from(note.technique.s + note.technique.t > 3);
+            let part = usize::from(note.technique.s + note.technique.t > 3);
             let (splat, connection) = (note.technique.t == 1, note.technique.s >= 2 && note.technique.t >= 2);
             for (i, lane) in LANES.iter().enumerate() {
                 let ratio = total / (note.own[i] + note.others[i]);
                 let seldom = self.root(ratio);
-                if seldom > SELDOM {
-                    self.tally.moments[i] += square(value) * seldom;
+                // Written so that what overflows is seldom.
+                if seldom.is_nan() || seldom > SELDOM {
+                    // c is f/P · (P/n_s p_s)^(1 − β) under the power heuristic.
+                    let density = if self.heuristic == Heuristic::Power { self.root(total / note.own[0]) } else { 1.0 };
+                    let moment = square(value) * density * seldom;
+                    self.tally.moments[i] += if moment.is_nan() { f64::INFINITY } else { moment };
                     continue;
                 }
                 // n'/n, and (w'/w)(n/n').
@@ -108,18 +123,16 @@ impl<'a> Survey<'a> {
                     continue;
                 }
                 let made = value * (note.own[i] / note.own[0] * ratio / more) as f32;
+                let sample = &mut self.samples[self.done][i];
                 if splat {
                     self.tally.moments[i] += more * square(made);
                 } else if connection && lane.one_in > 1 {
-                    connected[i] += made * more as f32;
+                    sample[1] += made * more as f32;
+                    sample[2] += made * more as f32;
                 } else {
-                    self.samples[self.done][i][far] += made;
+                    sample[part] += made;
                 }
             }
-        }
-        for (i, lane) in LANES.iter().enumerate().filter(|(_, lane)| lane.one_in > 1) {
-            self.samples[self.done][i][1] += connected[i];
-            self.tally.moments[i] += f64::from(lane.one_in - 1) * square(connected[i]);
         }
         self.done += 1;
         if self.done == SAMPLES {
@@ -130,10 +143,10 @@ impl<'a> Survey<'a> {
     /// All samples of a pixel are in.
     fn pixel(&mut self) {
         for i in 0..CANDIDATES {
-            for (far, left) in [LEFT_OF_DIRECT, LEFT_OF_REST].into_iter().enumerate() {
-                let mean = self.samples.iter().map(|s| s[i][far]).sum::<Rgb>() / SAMPLES as f32;
-                let squares: f64 = self.samples.iter().map(|s| square(s[i][far] - mean)).sum();
-                self.tally.camera[i] += left * squares / (SAMPLES - 1) as f64;
+            for part in 0..PARTS {
+                let mean = self.samples.iter().map(|s| s[i][part]).sum::<Rgb>() / SAMPLES as f32;
+                let squares: f64 = self.samples.iter().map(|s| square(s[i][part] - mean)).sum();
+                self.tally.camera[i][part] += squares / (SAMPLES - 1) as f64;
             }
         }
         self.tally.pixels += 1.0;

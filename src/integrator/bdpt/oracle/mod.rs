@@ -63,15 +63,16 @@ struct Verdict {
 impl<'a, A: Accel> Judge<'a, A> {
     /// For a scene, and `bdpt` with these settings.
     pub fn new(scene: &'a Scene<A>, settings: Settings) -> Self {
-        let Settings { heuristic, light_paths, light_one_in, splat_confidence, .. } = settings;
+        let Settings { heuristic, light_paths, connections, light_one_in, splat_confidence, .. } = settings;
         let pixels = Crop::full(scene.camera.resolution()).pixels() as f64;
-        let light_paths = f64::from(light_paths) / f64::from(light_one_in) * pixels;
-        let weighted = Bdpt::new(scene, settings, light_paths);
+        let per_pass = f64::from(light_paths) / f64::from(light_one_in) * pixels;
+        let weighted = Bdpt::new(scene, settings, per_pass);
         // None are traced where they would be of no use.
-        let traced = if weighted.traces_light() { light_paths } else { 0.0 };
-        let plain = Bdpt::new(scene, Settings { weighted: false, ..settings }, light_paths);
+        let traced = if weighted.traces_light() { per_pass } else { 0.0 };
+        let plain = Bdpt::new(scene, Settings { weighted: false, ..settings }, per_pass);
         // Subpaths that are not traced are not connected to either.
-        let connections = weighted.connections_per_sample;
+        let connections = if traced > 0.0 { f64::from(connections.min(light_paths)) } else { 0.0 };
+        let connections = connections / f64::from(light_one_in);
         Self { scene, weighted, plain, heuristic, connections, light_paths: traced, splat_confidence }
     }
 
