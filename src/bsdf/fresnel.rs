@@ -22,6 +22,21 @@ pub fn fresnel_dielectric(cos_o: f32, eta: f32) -> (f32, f32) {
     (0.5 * (perpendicular + parallel), g / eta)
 }
 
+/// Unpolarised Fresnel transmittance of a smooth interface, 1 less the reflectance, to the last digits also where that is
+/// nearly 1: at high indices and at grazing angles. Arguments as those of `fresnel_dielectric`.
+#[inline]
+pub fn fresnel_transmittance(cos_o: f32, eta: f32) -> f32 {
+    let cos_o = cos_o.clamp(0.0, 1.0);
+    let g2 = (eta - 1.0) * (eta + 1.0) + cos_o * cos_o;
+    if g2 <= 0.0 {
+        return 0.0;
+    }
+    // 1 − ((a − b)/(a + b))² = 4ab/(a + b)².
+    let (g, e2) = (g2.sqrt(), eta * eta);
+    let (perpendicular, parallel) = (cos_o + g, e2 * cos_o + g);
+    2.0 * cos_o * g * (1.0 / (perpendicular * perpendicular) + e2 / (parallel * parallel))
+}
+
 /// Unpolarised Fresnel reflectance of a conductor with the relative index `eta − i k` per channel
 /// [PBRT4, §9.3.6], written with real numbers.
 pub fn fresnel_conductor(cos_o: f32, eta: Rgb, k: Rgb) -> Rgb {
@@ -167,5 +182,27 @@ mod tests {
         let (f, cos_t) = fresnel_dielectric(0.4, 1.7);
         let (back, cos_o) = fresnel_dielectric(cos_t, 1.0 / 1.7);
         assert!((f - back).abs() < 1e-6 && (cos_o - 0.4).abs() < 1e-6);
+    }
+
+    /// What is let through has all its digits, up to indices at which next to nothing is and where total reflection begins.
+    #[test]
+    fn transmittance_does_not_cancel() {
+        for eta in [0.001_f32, 0.5, 0.9999, 1.0, 1.0001, 1.5, 10.0, 1000.0] {
+            for cos in [1e-6_f32, 1e-3, 0.05, 0.5, 0.9, 1.0] {
+                let (c, e) = (f64::from(cos), f64::from(eta));
+                let g = ((e - 1.0) * (e + 1.0) + c * c).max(0.0).sqrt();
+                let share = |a: f64| 4.0 * a * g / (a + g).powi(2);
+                let exact = if g > 0.0 { 0.5 * (share(c) + share(e * e * c)) } else { 0.0 };
+                let t = f64::from(fresnel_transmittance(cos, eta));
+                // g² is rounded where it is small beside 1.
+                let rounding = 1e-6 + 1e-7 / (g * g).max(1e-30);
+                assert!(
+                    (t - exact).abs() <= rounding.min(1e-4) * exact + 1e-38,
+                    "η {eta}, cos {cos}: {t:e} instead of {exact:e}"
+                );
+                let (r, _) = fresnel_dielectric(cos, eta);
+                assert!((f64::from(r) + t - 1.0).abs() < 1e-5, "η {eta}, cos {cos}: {r} + {t}");
+            }
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Rough interface between two dielectrics [Walter07].
 
-use super::fresnel::fresnel_dielectric;
+use super::fresnel::{fresnel_dielectric, fresnel_transmittance};
 use super::local::{Local, mirror};
 use super::microfacet::{self, Distribution, Masking, Roughness, reflection, stretched};
 use super::{BsdfSample, BsdfValue, Transport, adjoint_factor, radiance_scale};
@@ -66,8 +66,8 @@ impl RoughDielectric {
             return None;
         }
         // From the rarer side, where nothing is reflected totally: one number for both directions of travel.
-        let (f, _) = if eta >= 1.0 { fresnel_dielectric(co, eta) } else { fresnel_dielectric(ci, 1.0 / eta) };
-        let common = Distribution::Ggx.d(alpha, h, hh) * (1.0 - f);
+        let t = if eta >= 1.0 { fresnel_transmittance(co, eta) } else { fresnel_transmittance(ci, 1.0 / eta) };
+        let common = Distribution::Ggx.d(alpha, h, hh) * t;
         if common.is_nan() || common <= 0.0 {
             return None;
         }
