@@ -23,10 +23,11 @@ pub fn fresnel_dielectric(cos_o: f32, eta: f32) -> (f32, f32) {
 }
 
 /// Unpolarised Fresnel transmittance of a smooth interface, 1 less the reflectance, to the last digits also where that is
-/// nearly 1: at high indices and at grazing angles. Arguments as those of `fresnel_dielectric`.
+/// nearly 1: at high indices and at grazing angles. From the rarer side, `eta` ≥ 1; both sides let through the same.
 #[inline]
 pub fn fresnel_transmittance(cos_o: f32, eta: f32) -> f32 {
     let cos_o = cos_o.clamp(0.0, 1.0);
+    debug_assert!(eta >= 1.0, "from the denser side, of index 1/{eta}, the root cancels");
     let g2 = (eta - 1.0) * (eta + 1.0) + cos_o * cos_o;
     if g2 <= 0.0 {
         return 0.0;
@@ -184,22 +185,17 @@ mod tests {
         assert!((f - back).abs() < 1e-6 && (cos_o - 0.4).abs() < 1e-6);
     }
 
-    /// What is let through has all its digits, up to indices at which next to nothing is and where total reflection begins.
+    /// What is let through has all its digits, at grazing angles and up to indices at which next to nothing is.
     #[test]
     fn transmittance_does_not_cancel() {
-        for eta in [0.001_f32, 0.5, 0.9999, 1.0, 1.0001, 1.5, 10.0, 1000.0] {
+        for eta in [1.0_f32, 1.0001, 1.5, 10.0, 1000.0] {
             for cos in [1e-6_f32, 1e-3, 0.05, 0.5, 0.9, 1.0] {
                 let (c, e) = (f64::from(cos), f64::from(eta));
                 let g = ((e - 1.0) * (e + 1.0) + c * c).max(0.0).sqrt();
                 let share = |a: f64| 4.0 * a * g / (a + g).powi(2);
                 let exact = if g > 0.0 { 0.5 * (share(c) + share(e * e * c)) } else { 0.0 };
                 let t = f64::from(fresnel_transmittance(cos, eta));
-                // g² is rounded where it is small beside 1.
-                let rounding = 1e-6 + 1e-7 / (g * g).max(1e-30);
-                assert!(
-                    (t - exact).abs() <= rounding.min(1e-4) * exact + 1e-38,
-                    "η {eta}, cos {cos}: {t:e} instead of {exact:e}"
-                );
+                assert!((t - exact).abs() <= 2e-6 * exact, "η {eta}, cos {cos}: {t:e} instead of {exact:e}");
                 let (r, _) = fresnel_dielectric(cos, eta);
                 assert!((f64::from(r) + t - 1.0).abs() < 1e-5, "η {eta}, cos {cos}: {r} + {t}");
             }
