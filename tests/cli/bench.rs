@@ -144,7 +144,7 @@ fn runs_are_renders_and_only_their_times_vary() {
     folder.ok(&[&args[..], &["b.json", "--integrators", "bdpt", "--threads", "2"]].concat());
     let (a, b) = (folder.json("a.json"), folder.json("b.json"));
     let scene = &a["scenes"][0];
-    for (index, integrator) in ["path", "bdpt", "light"].into_iter().enumerate() {
+    for (index, integrator) in ["path", "auto", "light"].into_iter().enumerate() {
         let image = folder.rendered("run.exr", &["--spp", "2", "--seed", "1001", "--integrator", integrator]);
         let m = twinlight::compare::metrics(&image, &reference).unwrap();
         let c = &scene["configurations"][index];
@@ -155,6 +155,7 @@ fn runs_are_renders_and_only_their_times_vary() {
         assert!(run["rel_mse"]["noise"].is_null() && c["medians"]["rel_mse"]["low"].is_null());
     }
     assert_eq!(scene["configurations"][1]["integrator"], "auto");
+    // Of so few pixels it learns nothing.
     assert_eq!(
         scene["configurations"][1]["runs"][0]["rel_mse"],
         b["scenes"][0]["configurations"][0]["runs"][0]["rel_mse"]

@@ -142,6 +142,7 @@ fn statistics_have_every_field() {
         "overflows_first",
         "paths",
         "peak_memory_bytes",
+        "plan",
         "rays",
         "resolution",
         "roulette",
