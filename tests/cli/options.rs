@@ -70,7 +70,9 @@ fn integrators_agree() {
         says(&folder, &[&common[..], &["--integrator", name]].concat(), &[("integrator", name), ("max_bounces", "2")])
     };
     let images = ["bdpt", "path", "light", "auto"].map(render);
-    for other in &images[1..] {
+    // The image has too few pixels to learn from.
+    assert!(images[3] == images[0], "auto is bdpt there");
+    for other in &images[1..3] {
         let ratio = mean_ratio(other, &images[0]);
         assert!(other != &images[0] && (ratio - 1.0).abs() < 0.03, "{ratio}");
     }
