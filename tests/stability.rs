@@ -1,5 +1,4 @@
-//! Where rounding is at its worst: rays must leave the surface they start on, whatever it looks like, and lights must
-//! shine wherever they stand.
+//! Where rounding is at its worst: rays must leave any surface they start on, lights shine wherever they stand.
 
 mod common;
 
