@@ -1,6 +1,6 @@
 //! How fast densities change with directions: what the rounding of a direction does to them.
 
-use super::{Bsdf, Distribution, Roughness, Shape};
+use super::{Bsdf, Distribution, Reflectance, Roughness, Shape};
 use crate::geometry::SurfacePoint;
 use crate::math::Vec3;
 
@@ -11,7 +11,13 @@ impl Bsdf {
         // Where the shading normal is another, its cosine is.
         let by_cosine = if at.is_flat() { 0.0 } else { 1.0 / f64::from(at.ns.dot(turned).abs()) };
         let lobe = match self {
-            Self::Conductor(b) => reflected(b.distribution, &b.roughness, at.ns, turned, other),
+            Self::Conductor(b) => {
+                let facets = reflected(b.distribution, &b.roughness, at.ns, turned, other);
+                match b.reflectance {
+                    Reflectance::Schlick(normal) => facets + schlick(normal, turned, other),
+                    Reflectance::Index { .. } | Reflectance::Constant(_) => facets,
+                }
+            }
             Self::RoughDielectric(b) => {
                 let [side, beyond] = [turned, other].map(|w| w.dot(at.ns));
                 if side * beyond > 0.0 {
@@ -73,6 +79,18 @@ fn facets(distribution: Distribution, roughness: &Roughness, ns: Vec3, half: Vec
         // The gradient of e².
         Distribution::Beckmann => 2.0 * t * (1.0 + t * t) / (narrow * narrow),
     }
+}
+
+/// The slope of ln F by Schlick, F = r + (1 − r)u⁵ with u = 1 − cosθ, as the facet turns, and the roundings of u itself: where
+/// nothing is reflected at normal incidence they are all there is.
+fn schlick(normal: [f32; 3], turned: Vec3, other: Vec3) -> f64 {
+    let (w, half) = (turned.as_dvec3(), (turned + other).as_dvec3().normalize_or_zero());
+    let (u, sine) = (0.5 * (half - w.normalize()).length_squared(), half.cross(w).length());
+    let r = f64::from(normal[0].min(normal[1]).min(normal[2]));
+    let rest = (1.0 - r) * u.powi(4);
+    let slope = 5.0 * rest * (sine + 1.0) / (r + rest * u);
+    // At normal incidence itself nothing is reflected, and nothing judged.
+    if slope.is_finite() { slope } else { 0.0 }
 }
 
 /// Facets that reflect: the half vector turns by at most 1/|h|, and the Jacobian 1/(4 cos) has half its length.
