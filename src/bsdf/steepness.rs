@@ -59,7 +59,8 @@ fn tangent(a: Vec3, b: Vec3) -> f64 {
 /// The slope of ln cosⁿ, n tanθ; at the least that of a quarter of the lobe's width √(1/n), where rounding may lead.
 fn power(exponent: f32, axis: Vec3, w: Vec3) -> f64 {
     let n = f64::from(exponent);
-    n * tangent(axis, w).max(0.25 / n.sqrt())
+    // Of exponent 0 it is none; `max` passes over the 0 · ∞ at a right angle.
+    (n * tangent(axis, w)).max(0.25 * n.sqrt())
 }
 
 /// The slope of ln D at a half vector of any length, per radian that it turns; at the least that of a quarter of the lobe's
