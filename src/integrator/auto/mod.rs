@@ -11,9 +11,8 @@
 //! full one, so that any number of samples, threads, or any crop has the same.
 
 mod cost;
-mod survey;
-
 mod scout;
+mod survey;
 
 pub use scout::{Scattering, Scout};
 pub use survey::{Survey, Tally};
